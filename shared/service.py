@@ -1,0 +1,43 @@
+"""What every service process does alike: hear SIGINT and SIGTERM, and end in good order."""
+
+import os
+import signal
+import threading
+from types import FrameType
+
+
+class Stop:
+    """Set once, when the process shall end; loops look at it, waits wake up by it."""
+
+    def __init__(self) -> None:
+        self._event = threading.Event()
+
+    def __bool__(self) -> bool:
+        return self._event.is_set()
+
+    def set(self) -> None:
+        """Ask everybody to end."""
+        self._event.set()
+
+    def wait(self, timeout_s: float | None = None) -> bool:
+        """Sleep until the end or the time-out; True when it is the end."""
+        return self._event.wait(timeout_s)
+
+    def on_signals(self) -> "Stop":
+        """End at Ctrl-C, at SIGTERM, and when a supervisor is gone (main thread only)."""
+
+        def handle(number: int, frame: FrameType | None) -> None:
+            del number, frame  # Unused.
+            self.set()
+
+        signal.signal(signal.SIGINT, handle)
+        signal.signal(signal.SIGTERM, handle)
+        if supervisor := os.environ.get("HLD_SUPERVISOR_PID"):
+            threading.Thread(target=self._mind, args=(int(supervisor),), daemon=True).start()
+        return self
+
+    def _mind(self, supervisor: int) -> None:
+        """Nobody stays behind when the supervisor was killed."""
+        while not self.wait(1.0):
+            if os.getppid() != supervisor:
+                self.set()

@@ -1,0 +1,153 @@
+"""The cell as a gymnasium environment: what the actor steps and the training draws from."""
+
+from typing import Any, cast
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+
+from shared.workcell.camera import CAMERA_NAMES
+from shared.workcell.cell import ACTION_HIGH, ACTION_LOW, CONTROL_HZ, Cell
+from shared.workcell.objects import BODY_NAMES
+from shared.workcell.site import Site
+from shared.workcell.state import CellState
+from shared.workcell.tasks import TASKS, Brief, Task, task_named, understand
+
+IMAGE_SIZE = 64
+HELD_SUCCESS_STEPS = 10
+MAX_STEPS = 900
+FAR = 10.0
+"""Bound of every number in an observation, in metres or radians; nothing gets so far."""
+
+Observation = dict[str, np.ndarray]
+Info = dict[str, Any]
+
+
+class WorkcellEnv(gymnasium.Env[Observation, np.ndarray]):
+    """One attempt at one task in the cell, 50 steps a second.
+
+    Action: [14] joint targets in rad, of each arm (left first) waist, shoulder, elbow, forearm
+    roll, wrist angle, wrist rotate, and the gap between its pads in m.
+    Observation: `proprioception` [22], the 14 measured joints, then of each tool x y z [m] and
+    yaw [rad]; `objects` [9, 9], of each thing its position and the first two columns of its
+    rotation; with `cameras` also `top` and `angle`, [64, 64, 3] uint8.
+    Ends when the task has been fulfilled for 10 steps on end with empty hands; is cut off after
+    `max_steps`. Everything random is drawn from the seed that `reset` gets.
+    """
+
+    metadata = {"render_modes": ["rgb_array"], "render_fps": CONTROL_HZ}
+
+    def __init__(
+        self,
+        site: Site | str = "lab",
+        cameras: bool = False,
+        max_steps: int = MAX_STEPS,
+        render_mode: str | None = None,
+    ) -> None:
+        self.cell = Cell(site)
+        self.cameras, self.max_steps, self.render_mode = cameras, max_steps, render_mode
+        low, high = ACTION_LOW.astype(np.float32), ACTION_HIGH.astype(np.float32)
+        self.action_space = spaces.Box(low, high, dtype=np.float32)
+        self.observation_space = _space(cameras)
+        self.brief: Brief = next(iter(TASKS.values())).sample(np.random.default_rng(0))
+        self.state: CellState = self.cell.state()
+        self.elapsed_steps = 0
+        self._fulfilled_steps = 0
+
+    @property
+    def task(self) -> Task:
+        """The task of this episode."""
+        return task_named(self.brief.task)
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, Info]:
+        """Scatter the objects and take up a wish.
+
+        options: `prompt`, a sentence to obey, or `task`, a task's name to draw a wish from;
+        without either both task and wish are drawn.
+        Raises:
+            UnknownPrompt, UnknownTask: the options ask for what the cell does not know.
+        """
+        super().reset(seed=seed)
+        self.brief = self._wish(**(options or {}))
+        self.cell.reset(self.np_random)
+        self.elapsed_steps = self._fulfilled_steps = 0
+        self.state = self.cell.state()
+        return self._observe(), self._info()
+
+    def step(self, action: np.ndarray) -> tuple[Observation, float, bool, bool, Info]:
+        """One control step. The reward is the progress in [0, 1], 1 meaning fulfilled."""
+        self.cell.step(action)
+        self.state = self.cell.state()
+        self.elapsed_steps += 1
+        info = self._info()
+        done = info["success"] and not self.state.holding
+        self._fulfilled_steps = self._fulfilled_steps + 1 if done else 0
+        terminated = self._fulfilled_steps >= HELD_SUCCESS_STEPS
+        truncated = not terminated and self.elapsed_steps >= self.max_steps
+        reward = self.task.progress(self.state, self.brief)
+        return self._observe(), reward, terminated, truncated, info
+
+    def images(self, size: int = IMAGE_SIZE) -> np.ndarray:
+        """What a policy sees now: top and angle, [2, size, size, 3] uint8."""
+        return np.stack([self.cell.render(camera, size, size) for camera in CAMERA_NAMES])
+
+    def picture(
+        self, camera: str = "angle", width: int = 960, height: int = 720, style: str = "live"
+    ) -> np.ndarray:
+        """A picture for people, [height, width, 3] uint8: live, or a portrait with shadows."""
+        return self.cell.render(camera, height, width, style)
+
+    def render(self) -> np.ndarray | None:
+        """The presentation picture, in render mode rgb_array."""
+        return self.picture() if self.render_mode == "rgb_array" else None
+
+    def close(self) -> None:
+        """Free the GL contexts."""
+        self.cell.close()
+
+    def _wish(self, task: str | None = None, prompt: str | None = None) -> Brief:
+        if prompt is not None:
+            return understand(prompt) if task is None else task_named(task).understand(prompt)
+        if task is None:
+            task = list(TASKS)[int(self.np_random.integers(len(TASKS)))]
+        return task_named(task).sample(self.np_random)
+
+    def _observe(self) -> Observation:
+        seen = {"proprioception": proprioception(self.state), "objects": objects(self.state)}
+        if self.cameras:
+            seen |= dict(zip(CAMERA_NAMES, self.images(), strict=True))
+        return seen
+
+    def _info(self) -> Info:
+        return {
+            "prompt": self.brief.prompt,
+            "task": self.brief.task,
+            "success": self.task.success(self.state, self.brief),
+            "elapsed_steps": self.elapsed_steps,
+        }
+
+
+def proprioception(state: CellState) -> np.ndarray:
+    """[22] float32: the joints, then x y z yaw of each tool."""
+    return np.concatenate([state.joints, state.tools.ravel()]).astype(np.float32)
+
+
+def objects(state: CellState) -> np.ndarray:
+    """[9, 9] float32: position, then the first two columns of the rotation."""
+    w, x, y, z = state.quaternions.T
+    first = np.stack([1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)], axis=1)
+    second = np.stack([2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)], axis=1)
+    return np.concatenate([state.positions, first, second], axis=1).astype(np.float32)
+
+
+def _space(cameras: bool) -> spaces.Space[Observation]:
+    parts: dict[str, spaces.Space[Any]] = {
+        "proprioception": spaces.Box(-FAR, FAR, (22,), np.float32),
+        "objects": spaces.Box(-FAR, FAR, (len(BODY_NAMES), 9), np.float32),
+    }
+    if cameras:
+        picture = spaces.Box(0, 255, (IMAGE_SIZE, IMAGE_SIZE, 3), np.uint8)
+        parts |= {name: picture for name in CAMERA_NAMES}
+    return cast("spaces.Space[Observation]", spaces.Dict(parts))

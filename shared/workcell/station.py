@@ -1,0 +1,52 @@
+"""The simulated cell as a robot of the rollout: what an actor drives (`hl_dagger.robots`)."""
+
+from typing import Any
+
+import numpy as np
+
+from shared.rollout.robot import Scene, Senses
+from shared.workcell.env import WorkcellEnv, objects, proprioception
+from shared.workcell.site import Site
+
+
+class Station:
+    """Implements `shared.rollout.robot.Robot` on `WorkcellEnv`; the rollout counts the steps."""
+
+    action_size = 14
+
+    def __init__(self, site: Site | str) -> None:
+        self._env = WorkcellEnv(site, max_steps=1 << 30)
+
+    def reset(self, seed: int, task: str, prompt: str | None) -> Scene:
+        """See `Robot.reset`.
+
+        Raises:
+            UnknownTask, UnknownPrompt: the cell doesn't know it; the message says what it knows.
+        """
+        options = {"task": task} if prompt is None else {"task": task, "prompt": prompt}
+        _, info = self._env.reset(seed=seed, options=options)
+        return Scene(info["task"], info["prompt"], self._env.cell.site.name)
+
+    def sense(self) -> Senses:
+        state = self._env.state
+        return Senses(proprioception(state), objects(state))
+
+    def look(self) -> np.ndarray:
+        return self._env.images()
+
+    def picture(self, camera: str, width: int, height: int) -> np.ndarray:
+        return self._env.picture(camera, width, height)
+
+    def truth(self) -> dict[str, Any]:
+        return self._env.state.to_json()
+
+    def right_command(self, previous: str | None) -> str:
+        """What the oracle would say now, from the true state."""
+        return self._env.task.next_command(self._env.state, self._env.brief, previous)
+
+    def step(self, action: np.ndarray) -> bool:
+        _, _, terminated, _, _ = self._env.step(action)
+        return terminated
+
+    def close(self) -> None:
+        self._env.close()

@@ -1,0 +1,105 @@
+"""Prompts, success, and an oracle that knows what is to be done next."""
+
+import numpy as np
+import pytest
+
+from shared.workcell import skills
+from shared.workcell.errors import UnknownPrompt, UnknownTask
+from shared.workcell.expert import act
+from shared.workcell.layout import BIN, PLATE_XY
+from shared.workcell.measure import DECISION_STEPS, rollout
+from shared.workcell.objects import index
+from shared.workcell.tasks import TASKS, task_named, understand
+
+
+def carry_on(env, command=None):
+    """Oracle and expert from here; whether the task ends well."""
+    while True:
+        if env.elapsed_steps % DECISION_STEPS == 0 or command is None:
+            command = env.task.next_command(env.state, env.brief, command)
+        _, _, terminated, truncated, _ = env.step(act(env.state, skills.parse(command)))
+        if terminated or truncated:
+            return terminated
+
+
+def settle(env, steps=30):
+    for _ in range(steps):
+        env.step(act(env.state, skills.parse("wait")))
+
+
+@pytest.mark.parametrize("name", TASKS)
+def test_every_sampled_prompt_is_understood_as_what_it_was_drawn_for(name):
+    rng = np.random.default_rng(1)
+    for _ in range(200):
+        brief = TASKS[name].sample(rng)
+        assert understand(brief.prompt) == brief
+
+
+@pytest.mark.parametrize(
+    "prompt", ["", "dance", "make a sandwich with toast", "put the ham in the bin", "a sandwich"]
+)
+def test_a_prompt_that_asks_for_no_task_is_answered_with_one_that_does(prompt):
+    with pytest.raises(UnknownPrompt, match="it reads like"):
+        understand(prompt)
+
+
+def test_an_unknown_task_is_answered_with_the_known_ones():
+    with pytest.raises(UnknownTask, match="sandwich, pack"):
+        task_named("juggle")
+
+
+@pytest.mark.parametrize("name", TASKS)
+@pytest.mark.parametrize("seed", [1, 2])
+def test_oracle_and_expert_together_fulfil_the_task(env, name, seed):
+    done, steps = rollout(env, seed, name)
+    assert done
+    assert steps < 700
+
+
+def test_a_wrong_stack_is_taken_apart_and_built_anew(env):
+    env.reset(seed=5, options={"prompt": "make a sandwich with ham"})
+    x, y = PLATE_XY
+    env.cell.place("onion", (x, y, 0.018))
+    env.cell.place("bread", (x, y, 0.037))
+    settle(env)
+    command = env.task.next_command(env.state, env.brief, None)
+    assert command == "pick up the bread"
+    assert carry_on(env)
+
+
+def test_a_wrong_thing_in_the_bin_is_taken_out(env):
+    env.reset(seed=6, options={"prompt": "pack the ham and the tomato into the bin"})
+    env.cell.place("toast", (BIN.x_m + 0.05, BIN.y_m, 0.04))
+    settle(env)
+    assert env.task.next_command(env.state, env.brief, None) == "pick up the toast"
+    assert carry_on(env)
+
+
+def test_an_object_that_slips_from_the_hand_is_fetched_again(env):
+    env.reset(seed=7, options={"prompt": "make a sandwich with cheese"})
+    while not env.state.holding or env.state.points[index("bread")][2] < 0.1:
+        env.step(act(env.state, skills.parse("pick up the bread")))
+    for _ in range(10):
+        action = act(env.state, skills.parse(skills.PUT_ON_PLATE))
+        action[[6, 13]] = 0.08
+        env.step(action)
+    assert carry_on(env)
+
+
+def test_the_next_command_is_always_acceptable_and_any_order_packs(env):
+    env.reset(seed=8, options={"prompt": "put the ham, the onion and the bread in the bin"})
+    task, state, brief = env.task, env.state, env.brief
+    picks = {"pick up the ham", "pick up the onion", "pick up the bread"}
+    assert task.acceptable_commands(state, brief, None) == picks
+    assert task.next_command(state, brief, None) == "pick up the ham"
+    assert task.next_command(state, brief, "pick up the onion") == "pick up the onion"
+    for previous in skills.COMMANDS:
+        chosen = task.next_command(state, brief, previous)
+        assert chosen in task.acceptable_commands(state, brief, previous)
+
+
+def test_progress_grows_from_nothing_to_all(env):
+    env.reset(seed=9, options={"task": "pack"})
+    assert env.task.progress(env.state, env.brief) == 0.0
+    assert carry_on(env)
+    assert env.task.progress(env.state, env.brief) == 1.0
