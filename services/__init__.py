@@ -1,0 +1,1 @@
+"""The processes. They never import one another: they speak by messages."""

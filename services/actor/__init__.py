@@ -1,0 +1,1 @@
+"""The actor: robots on the bus. Observe, decide, act, obey, record, refresh."""

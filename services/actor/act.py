@@ -1,0 +1,238 @@
+"""Act: one robot, episode after episode. `tick` is one turn of its control loop."""
+
+import json
+import os
+from pathlib import Path
+
+import structlog
+
+from services.actor.config import ActorSettings, Pace, Refresh
+from services.actor.obey import Inbox
+from services.actor.observe import Observer
+from services.actor.record import Recorder
+from shared.clock import Clock
+from shared.messages.correction import Correction
+from shared.messages.decision import Decision
+from shared.messages.episode import Episode, Outcome
+from shared.messages.heartbeat import RobotHeartbeat, RobotState
+from shared.messages.message import new_id
+from shared.messages.receipt import Receipt
+from shared.rollout.robot import LowLevel, PolicySource, Robot
+from shared.rollout.rollout import Rollout
+from shared.rollout.thinking import Thinking
+from shared.seeds import collection_seed
+
+REPEAT_NS = 500_000_000
+log = structlog.get_logger()
+
+
+class Logbook:
+    """What a robot must remember over a restart: which episode is next, and its quota.
+
+    number: episodes begun so far. finished: episodes finished under `version`.
+    """
+
+    def __init__(self, file: Path) -> None:
+        self._file = file
+        stored = json.loads(file.read_text()) if file.exists() else {}
+        self.number: int = stored.get("number", 0)
+        self.version: str = stored.get("version", "")
+        self.finished: int = stored.get("finished", 0)
+
+    def begin(self, version: str) -> None:
+        """An episode begins under `version`."""
+        if version != self.version:
+            self.version, self.finished = version, 0
+        self.number += 1
+        self._write()
+
+    def finish(self) -> None:
+        """The episode that began last is finished."""
+        self.finished += 1
+        self._write()
+
+    def _write(self) -> None:
+        fresh = self._file.with_suffix(".new")
+        fresh.write_text(
+            json.dumps({k: getattr(self, k) for k in ("number", "version", "finished")})
+        )
+        os.replace(fresh, self._file)
+
+
+class Runner:
+    """Everything that belongs to one robot of this actor."""
+
+    def __init__(
+        self,
+        name: str,
+        index: int,
+        *,
+        settings: ActorSettings,
+        robot: Robot,
+        low_level: LowLevel,
+        source: PolicySource,
+        thinking: Thinking,
+        recorder: Recorder,
+        observer: Observer,
+        inbox: Inbox,
+        logbook: Logbook,
+        clock: Clock,
+    ) -> None:
+        self.name, self._index, self._settings, self._clock = name, index, settings, clock
+        self._robot, self._low_level, self._source = robot, low_level, source
+        self._thinking, self._recorder, self._observer = thinking, recorder, observer
+        self._inbox, self._logbook = inbox, logbook
+        self._rollout: Rollout | None = None
+        self._started_ns = self._seed = 0
+        self._resting_until = 0
+        self._repeat_due = self._verdict_due = 0
+
+    def tick(self) -> bool:
+        """One turn: obey, move by one control step, tell. True when the robot moved."""
+        if self._rollout is None and self._may_begin():
+            self._begin()
+        moved = False
+        self._inbox.obey(self._correct)
+        if self._rollout is not None:
+            moved = self._rollout.advance()
+            self._mind_waiting(self._rollout)
+            self._observer.show(self._robot, self._rollout)
+        if self._observer.heartbeat_due():
+            self._beat()
+        if self._rollout is not None and self._rollout.over:
+            self._end(Outcome.SUCCESS if self._rollout.done else Outcome.TIMEOUT)
+        return moved
+
+    def close(self) -> None:
+        """Break off the episode and give the robot back."""
+        if self._rollout is not None:
+            self._end(Outcome.ABORTED)
+        self._inbox.close()
+        self._thinking.close()
+        self._robot.close()
+
+    # -- episodes
+
+    def _may_begin(self) -> bool:
+        quota = self._settings.episodes_per_version
+        version = str(self._source.newest.version)
+        used_up = quota and self._logbook.version == version and self._logbook.finished >= quota
+        return not used_up and self._clock.monotonic_ns() >= self._resting_until
+
+    def _begin(self) -> None:
+        high_level = self._source.newest
+        number = self._logbook.number
+        self._logbook.begin(str(high_level.version))
+        self._seed = collection_seed(self._index, number, self._settings.seed)
+        task = self._settings.tasks[(number + self._index) % len(self._settings.tasks)]
+        scene = self._robot.reset(self._seed, task, None)
+        self._started_ns = self._clock.now_ns()
+        self._rollout = Rollout(
+            self._robot,
+            high_level,
+            self._low_level,
+            self._thinking,
+            self._clock,
+            self._settings.rollout,
+            name=self.name,
+            episode=new_id("ep"),
+            scene=scene,
+            decided=self._decided,
+        )
+        self._beat()
+
+    def _end(self, outcome: Outcome) -> None:
+        rollout, self._rollout = self._rollout, None
+        assert rollout is not None
+        if outcome is not Outcome.ABORTED:
+            self._logbook.finish()
+        if self._settings.pace is Pace.REAL_TIME:
+            self._resting_until = self._clock.monotonic_ns() + int(self._settings.rest_s * 1e9)
+        self._recorder.ended(
+            Episode(
+                id=rollout.episode,
+                robot=self.name,
+                number=self._logbook.number - 1,
+                task=rollout.scene.task,
+                prompt=rollout.scene.prompt,
+                site=rollout.scene.site,
+                seed=self._seed,
+                version=rollout.version,
+                low_level_sha256=self._low_level.sha256,
+                outcome=outcome,
+                steps=rollout.step,
+                decisions=rollout.decisions,
+                corrections=rollout.corrections,
+                started_ns=self._started_ns,
+                ended_ns=self._clock.now_ns(),
+            )
+        )
+
+    # -- decisions and people
+
+    def _decided(self, decision: Decision) -> None:
+        self._recorder.decided(decision)
+        now = self._clock.monotonic_ns()
+        self._repeat_due = now + REPEAT_NS
+        self._verdict_due = now + int(self._settings.verdict_timeout_s * 1e9)
+        if self._settings.refresh is Refresh.DECISION and self._rollout is not None:
+            self._rollout.take_up(self._source.newest)
+
+    def _correct(self, correction: Correction) -> Receipt:
+        if self._rollout is not None:
+            return self._rollout.correct(correction)
+        return Receipt(
+            correction=correction.id,
+            robot=self.name,
+            episode=correction.episode,
+            accepted=False,
+            reason=f"episode {correction.episode} is over and the next one has not begun",
+            time_ns=self._clock.now_ns(),
+        )
+
+    def _mind_waiting(self, rollout: Rollout) -> None:
+        """While a decision awaits its verdict: show it again, and in the end go on without."""
+        if rollout.awaited is None:
+            return
+        now = self._clock.monotonic_ns()
+        if now >= self._repeat_due:
+            self._repeat_due = now + REPEAT_NS
+            self._recorder.repeat(rollout.awaited)
+        if self._settings.verdict_timeout_s and now >= self._verdict_due:
+            log.warning("no verdict came, going on", robot=self.name, decision=rollout.awaited.id)
+            rollout.awaited = None
+
+    def _beat(self) -> None:
+        rollout, settings = self._rollout, self._settings
+        episode = {}
+        if rollout is not None:
+            episode = {
+                "task": rollout.scene.task,
+                "prompt": rollout.scene.prompt,
+                "site": rollout.scene.site,
+                "episode": rollout.episode,
+                "step": rollout.step,
+                "command": rollout.command,
+                "chosen_by": rollout.chosen_by,
+            }
+        self._observer.beat(
+            RobotHeartbeat(
+                robot=self.name,
+                actor=settings.id,
+                time_ns=self._clock.now_ns(),
+                state=self._state(),
+                number=max(0, self._logbook.number - 1),
+                version=rollout.version if rollout else self._source.newest.version,
+                supervised=settings.rollout.supervised,
+                real_time=settings.pace is Pace.REAL_TIME,
+                pending=self._recorder.pending,
+                **episode,
+            )
+        )
+
+    def _state(self) -> RobotState:
+        if self._rollout is None:
+            return RobotState.IDLE
+        if self._rollout.paused:
+            return RobotState.PAUSED
+        return RobotState.AWAITING if self._rollout.awaited else RobotState.ACTING

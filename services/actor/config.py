@@ -1,0 +1,71 @@
+"""Settings of an actor process."""
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+from pydantic import Field
+
+from shared.config import Settings
+from shared.messages.message import Id
+from shared.rollout.settings import RolloutSettings
+from shared.wire.bus import BusSettings
+
+
+class Pace(StrEnum):
+    """Real time: 50 Hz by the wall clock. Lockstep: as fast as the machine, counted in steps."""
+
+    REAL_TIME = "real-time"
+    LOCKSTEP = "lockstep"
+
+
+class Refresh(StrEnum):
+    """When a new version is taken up: between two episodes, or between two decisions."""
+
+    EPISODE = "episode"
+    DECISION = "decision"
+
+
+class FrameSettings(Settings):
+    """Pictures for people; rendered only while somebody watches."""
+
+    rate_hz: Annotated[float, Field(gt=0, le=60)] = 8.0
+    width: Annotated[int, Field(ge=64, le=1280)] = 320
+    height: Annotated[int, Field(ge=64, le=1280)] = 240
+    quality: Annotated[int, Field(ge=10, le=100)] = 85
+
+
+class ActorSettings(Settings):
+    """One process with one or many robots.
+
+    robots: their ids on the wire. kind: the entry point of group `hl_dagger.robots` that makes
+        them. first_index: number of the first robot in the fleet, from which its seeds follow.
+    tasks: taken in turn. site: the settings file of the cell.
+    episodes_per_version: after so many episodes a robot waits for a newer version; 0: never.
+    verdict_timeout_s: in supervised lockstep, go on without a verdict after this; 0: never.
+    wait_for_policy_s: at start, how long to wait for the learner before running what is on disk.
+    low_level, high_level: checkpoint folders; None: the ones that come with the package.
+    data: folder of the outbox and of the last version that was taken up.
+    """
+
+    id: Id = "actor-1"
+    robots: Annotated[tuple[Id, ...], Field(min_length=1)] = ("robot-1",)
+    kind: str = "workcell"
+    first_index: Annotated[int, Field(ge=0, le=999)] = 0
+    tasks: Annotated[tuple[Id, ...], Field(min_length=1)] = ("sandwich", "pack")
+    site: str = "workshop"
+    pace: Pace = Pace.REAL_TIME
+    refresh: Refresh = Refresh.EPISODE
+    rollout: RolloutSettings = RolloutSettings()
+    frames: FrameSettings = FrameSettings()
+    bus: BusSettings = BusSettings()
+    seed: Annotated[int, Field(ge=0, le=10_000)] = 0
+    episodes_per_version: Annotated[int, Field(ge=0)] = 0
+    rest_s: Annotated[float, Field(ge=0, le=3600)] = 1.0
+    verdict_timeout_s: Annotated[float, Field(ge=0)] = 0.0
+    wait_for_policy_s: Annotated[float, Field(ge=0)] = 10.0
+    low_level: Path | None = None
+    high_level: Path | None = None
+    data: Path = Path("runs/actor-1")
+    threads: Annotated[int, Field(ge=1, le=64)] = 1
+    log_level: str = "info"

@@ -1,0 +1,60 @@
+"""The control loop of an actor: every robot gets its turn, by the clock or as fast as it can."""
+
+import threading
+from collections.abc import Sequence
+
+import structlog
+
+from services.actor.act import Runner
+from services.actor.config import Pace
+from shared.clock import Clock
+from shared.service import Stop
+
+STANDSTILL_S = 0.05  # When no robot can move: until something comes in, or a heartbeat is due.
+LATE_REPORT_NS = 10_000_000_000
+log = structlog.get_logger()
+
+
+def run(
+    runners: Sequence[Runner],
+    pace: Pace,
+    control_hz: float,
+    clock: Clock,
+    stop: Stop,
+    wake: threading.Event,
+) -> None:
+    """Turn until the end is asked for, then close every runner."""
+    try:
+        if pace is Pace.REAL_TIME:
+            _real_time(runners, int(1e9 / control_hz), clock, stop)
+        else:
+            _lockstep(runners, stop, wake)
+    finally:
+        for runner in runners:
+            runner.close()
+
+
+def _real_time(runners: Sequence[Runner], period_ns: int, clock: Clock, stop: Stop) -> None:
+    due = clock.monotonic_ns()
+    turns = late = 0
+    report = due + LATE_REPORT_NS
+    while not stop:
+        for runner in runners:
+            runner.tick()
+        turns += 1
+        due += period_ns
+        now = clock.monotonic_ns()
+        if now > due:  # Never catch up by moving faster than the robot may.
+            late += 1
+            due = now
+        clock.sleep_ns(due - now)
+        if now >= report:
+            log.info("control loop", turns=turns, late=late)
+            turns, late, report = 0, 0, now + LATE_REPORT_NS
+
+
+def _lockstep(runners: Sequence[Runner], stop: Stop, wake: threading.Event) -> None:
+    while not stop:
+        wake.clear()
+        if not any([runner.tick() for runner in runners]):
+            wake.wait(STANDSTILL_S)

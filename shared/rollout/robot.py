@@ -1,0 +1,104 @@
+"""The seams of the rollout: what a robot, a high level and a low level must be able to do.
+
+A robot of your own, real or simulated, implements `Robot`; nothing else in the loop knows it.
+"""
+
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shared.messages.decision import Proposal
+from shared.messages.goal import Goal
+from shared.messages.observation import Observation
+from shared.messages.policy import Version
+
+Floats = NDArray[np.float32]
+
+
+class Scene(NamedTuple):
+    """What an episode is about, as told by the robot when it was reset."""
+
+    task: str
+    prompt: str
+    site: str
+
+
+class Senses(NamedTuple):
+    """What the low level feels at one control step.
+
+    proprioception: [P] float32; objects: [N, 9] float32; both as in `Observation`.
+    """
+
+    proprioception: Floats
+    objects: Floats
+
+
+class Robot(Protocol):
+    """One robot in its cell. All calls come from one thread."""
+
+    action_size: int
+
+    def reset(self, seed: int, task: str, prompt: str | None) -> Scene:
+        """Begin an episode; equal seeds give equal scenes. `prompt` None: the robot draws one."""
+        ...
+
+    def sense(self) -> Senses:
+        """What the low level is to know now."""
+        ...
+
+    def look(self) -> NDArray[np.uint8]:
+        """The pictures for the high level, [V, 64, 64, 3] uint8."""
+        ...
+
+    def picture(self, camera: str, width: int, height: int) -> NDArray[np.uint8]:
+        """A picture for people, [height, width, 3] uint8."""
+        ...
+
+    def truth(self) -> dict[str, Any]:
+        """The simulator's account of the scene as JSON values; a real robot returns {}."""
+        ...
+
+    def step(self, action: NDArray[np.float64]) -> bool:
+        """Move by one control step; True when the task is done.
+
+        action: [14] joint position targets, rad; grippers in m.
+        """
+        ...
+
+    def close(self) -> None:
+        """Give everything back."""
+        ...
+
+
+class HighLevel(Protocol):
+    """The slow policy that chooses goals."""
+
+    version: Version
+
+    def propose(self, observation: Observation) -> tuple[Proposal, ...]:
+        """Goals with their scores, best first; called from a thread beside the control loop."""
+        ...
+
+
+class PolicySource(Protocol):
+    """The narrow view that a robot has of the learner."""
+
+    @property
+    def newest(self) -> HighLevel:
+        """The newest high level that is whole and verified."""
+        ...
+
+
+class LowLevel(Protocol):
+    """The fast policy that turns goal and senses into actions; frozen while the high one learns.
+
+    sha256: over all of its tensors. chunk_steps: how many actions `act` gives at once.
+    """
+
+    sha256: str
+    chunk_steps: int
+
+    def act(self, proprioception: Floats, objects: Floats, goal: Goal) -> Floats:
+        """The next action chunk, [chunk_steps, 14]."""
+        ...

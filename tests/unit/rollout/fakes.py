@@ -1,0 +1,121 @@
+"""Hand-written parts that a rollout can drive: a robot that only counts, policies that only say."""
+
+import numpy as np
+
+from shared.clock import ManualClock
+from shared.messages.correction import Correction, Kind
+from shared.messages.decision import Decision, Proposal
+from shared.messages.goal import Goal
+from shared.messages.observation import Observation
+from shared.messages.policy import Version
+from shared.rollout.robot import Scene, Senses
+from shared.rollout.rollout import Rollout
+from shared.rollout.settings import RolloutSettings
+from shared.rollout.thinking import Lockstep, Thinking
+
+
+class CountingRobot:
+    """Feels how many steps it has made, and remembers every action."""
+
+    action_size = 14
+
+    def __init__(self, done_at: int = 10**9) -> None:
+        self.done_at = done_at
+        self.actions: list[np.ndarray] = []
+
+    def reset(self, seed: int, task: str, prompt: str | None) -> Scene:
+        del seed
+        self.actions.clear()
+        return Scene(task, prompt or "do it", "lab")
+
+    def sense(self) -> Senses:
+        steps = float(len(self.actions))
+        return Senses(np.full(22, steps, np.float32), np.zeros((9, 9), np.float32))
+
+    def look(self) -> np.ndarray:
+        return np.zeros((2, 64, 64, 3), np.uint8)
+
+    def picture(self, camera: str, width: int, height: int) -> np.ndarray:
+        del camera
+        return np.zeros((height, width, 3), np.uint8)
+
+    def truth(self) -> dict[str, object]:
+        return {}
+
+    def step(self, action: np.ndarray) -> bool:
+        self.actions.append(action)
+        return len(self.actions) >= self.done_at
+
+    def close(self) -> None:
+        pass
+
+
+class SayingHighLevel:
+    """Proposes what it was told to, the same each time or one after the other."""
+
+    version = Version(1, 0)
+
+    def __init__(self, *commands: str) -> None:
+        self.commands = list(commands)
+        self.seen: list[Observation] = []
+
+    def propose(self, observation: Observation) -> tuple[Proposal, ...]:
+        self.seen.append(observation)
+        first = self.commands[min(len(self.seen), len(self.commands)) - 1]
+        return (
+            Proposal(goal=Goal(text=first), score=0.7),
+            Proposal(goal=Goal(text="something else"), score=0.3),
+        )
+
+
+class EchoingLowLevel:
+    """Ten actions that say for which command they are: the length of its text, in every joint."""
+
+    sha256 = "0" * 64
+    chunk_steps = 10
+
+    def act(self, proprioception: np.ndarray, objects: np.ndarray, goal: Goal) -> np.ndarray:
+        del proprioception, objects
+        return np.full((10, 14), len(goal.text), np.float32)
+
+
+def rollout_of(
+    *commands: str,
+    robot: CountingRobot | None = None,
+    high_level: SayingHighLevel | None = None,
+    thinking: Thinking | None = None,
+    decisions: list[Decision] | None = None,
+    **settings: object,
+) -> Rollout:
+    """A rollout over fakes; `settings` as in `RolloutSettings`."""
+    return Rollout(
+        robot or CountingRobot(),
+        high_level or SayingHighLevel(*commands),
+        EchoingLowLevel(),
+        thinking or Lockstep(),
+        ManualClock(),
+        RolloutSettings.model_validate(settings),
+        name="robot-1",
+        episode="ep-1",
+        scene=Scene("pack", "do it", "lab"),
+        decided=(decisions if decisions is not None else []).append,
+    )
+
+
+def said(kind: Kind, text: str | None = None, **fields: object) -> Correction:
+    """A correction of `ep-1`."""
+    said.count += 1  # type: ignore[attr-defined]
+    head: dict[str, object] = {
+        "id": f"co-{said.count}",  # type: ignore[attr-defined]
+        "robot": "robot-1",
+        "episode": "ep-1",
+        "kind": kind,
+        "author": "ada",
+        "goal": Goal(text=text) if text else None,
+        "begun_ns": 1,
+        "created_ns": 1,
+    }
+    return Correction.model_validate({**head, **fields})
+
+
+said.count = 0  # type: ignore[attr-defined]
