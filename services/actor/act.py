@@ -27,9 +27,11 @@ log = structlog.get_logger()
 
 
 class Logbook:
-    """What a robot must remember over a restart: which episode is next, and its quota.
+    """What a robot must remember over a restart: which episode is next, its share, and the draft
+    of the episode at work, so that it is told as broken off when its actor died in it.
 
     number: episodes begun so far. finished: episodes finished under `version`.
+    draft: the episode at work as it would be told if it ended now; None between two.
     """
 
     def __init__(self, file: Path) -> None:
@@ -38,6 +40,8 @@ class Logbook:
         self.number: int = stored.get("number", 0)
         self.version: str = stored.get("version", "")
         self.finished: int = stored.get("finished", 0)
+        draft = stored.get("draft")
+        self.draft = Episode.model_validate(draft) if draft else None
 
     def begin(self, version: str) -> None:
         """An episode begins under `version`."""
@@ -46,16 +50,26 @@ class Logbook:
         self.number += 1
         self._write()
 
-    def finish(self) -> None:
-        """The episode that began last is finished."""
-        self.finished += 1
+    def note(self, draft: Episode) -> None:
+        """The episode at work has come so far."""
+        self.draft = draft
+        self._write()
+
+    def close(self, finished: bool) -> None:
+        """The episode at work was told; `finished`: it counts."""
+        self.draft = None
+        self.finished += finished
         self._write()
 
     def _write(self) -> None:
+        content = {
+            "number": self.number,
+            "version": self.version,
+            "finished": self.finished,
+            "draft": self.draft.without_arrays() if self.draft else None,
+        }
         fresh = self._file.with_suffix(".new")
-        fresh.write_text(
-            json.dumps({k: getattr(self, k) for k in ("number", "version", "finished")})
-        )
+        fresh.write_text(json.dumps(content))
         os.replace(fresh, self._file)
 
 
@@ -86,6 +100,7 @@ class Runner:
         self._started_ns = self._seed = 0
         self._resting_until = 0
         self._repeat_due = self._verdict_due = 0
+        self._tell_broken_off()
 
     def tick(self) -> bool:
         """One turn: obey, move by one control step, tell. True when the robot moved."""
@@ -108,6 +123,7 @@ class Runner:
         if self._rollout is not None:
             self._end(Outcome.ABORTED)
         self._inbox.close()
+        self._observer.close()
         self._thinking.close()
         self._robot.close()
 
@@ -142,45 +158,56 @@ class Runner:
         self._beat()
 
     def _end(self, outcome: Outcome) -> None:
-        rollout, self._rollout = self._rollout, None
-        assert rollout is not None
-        if outcome is not Outcome.ABORTED:
-            self._logbook.finish()
+        assert self._rollout is not None
+        episode = self._episode(self._rollout, outcome)
+        self._rollout = None
         if self._settings.pace is Pace.REAL_TIME:
             self._resting_until = self._clock.monotonic_ns() + int(self._settings.rest_s * 1e9)
-        self._recorder.ended(
-            Episode(
-                id=rollout.episode,
-                robot=self.name,
-                number=self._logbook.number - 1,
-                task=rollout.scene.task,
-                prompt=rollout.scene.prompt,
-                site=rollout.scene.site,
-                seed=self._seed,
-                version=rollout.version,
-                low_level_sha256=self._low_level.sha256,
-                outcome=outcome,
-                steps=rollout.step,
-                decisions=rollout.decisions,
-                corrections=rollout.corrections,
-                started_ns=self._started_ns,
-                ended_ns=self._clock.now_ns(),
-            )
+        self._recorder.ended(episode)
+        self._logbook.close(finished=outcome is not Outcome.ABORTED)
+
+    def _tell_broken_off(self) -> None:
+        """The episode in which this robot's actor died, if it did."""
+        if self._logbook.draft is not None:
+            self._recorder.ended(self._logbook.draft)
+            self._logbook.close(finished=False)
+
+    def _episode(self, rollout: Rollout, outcome: Outcome) -> Episode:
+        return Episode(
+            id=rollout.episode,
+            robot=self.name,
+            number=self._logbook.number - 1,
+            task=rollout.scene.task,
+            prompt=rollout.scene.prompt,
+            site=rollout.scene.site,
+            seed=self._seed,
+            version=rollout.version,
+            low_level_sha256=self._low_level.sha256,
+            outcome=outcome,
+            steps=rollout.step,
+            decisions=rollout.decisions,
+            corrections=rollout.corrections,
+            started_ns=self._started_ns,
+            ended_ns=self._clock.now_ns(),
         )
 
     # -- decisions and people
 
     def _decided(self, decision: Decision) -> None:
         self._recorder.decided(decision)
+        assert self._rollout is not None  # It has just decided.
+        self._logbook.note(self._episode(self._rollout, Outcome.ABORTED))
         now = self._clock.monotonic_ns()
         self._repeat_due = now + REPEAT_NS
         self._verdict_due = now + int(self._settings.verdict_timeout_s * 1e9)
-        if self._settings.refresh is Refresh.DECISION and self._rollout is not None:
+        if self._settings.refresh is Refresh.DECISION:
             self._rollout.take_up(self._source.newest)
 
     def _correct(self, correction: Correction) -> Receipt:
         if self._rollout is not None:
-            return self._rollout.correct(correction)
+            receipt = self._rollout.correct(correction)
+            self._logbook.note(self._episode(self._rollout, Outcome.ABORTED))
+            return receipt
         return Receipt(
             correction=correction.id,
             robot=self.name,

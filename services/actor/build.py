@@ -5,7 +5,6 @@ from contextlib import ExitStack
 from importlib.metadata import entry_points
 
 import torch
-from shared.policies.high_level import HighLevel
 
 from services.actor.act import Logbook, Runner
 from services.actor.config import ActorSettings, Pace
@@ -15,13 +14,17 @@ from services.actor.record import Recorder
 from services.actor.refresh import Refresh
 from shared.clock import SystemClock
 from shared.errors import ConfigError, nearest
+from shared.messages.policy import Version
 from shared.policies.checkpoint import bundled
+from shared.policies.high_level import HighLevel
 from shared.policies.low_level import LowLevel
 from shared.rollout.robot import Robot
 from shared.rollout.thinking import Beside, Lockstep, Thinking
 from shared.wire.bus import Bus, open_bus
 from shared.wire.delivery import Courier
 from shared.wire.outbox import Outbox
+
+NEVER_ANNOUNCED = Version(0, 0)  # Whatever a learner announces is newer.
 
 
 class Actor:
@@ -88,7 +91,9 @@ def newest_on_disk(settings: ActorSettings) -> HighLevel:
     cached = settings.data / "high_level"
     if cached.exists():
         return HighLevel.load(cached)
-    return HighLevel.load(settings.high_level or bundled("high_level"))
+    start = HighLevel.load(settings.high_level or bundled("high_level"))
+    start.version = NEVER_ANNOUNCED
+    return start
 
 
 def make_thinking(settings: ActorSettings) -> Thinking:

@@ -30,8 +30,8 @@ class FrameSettings(Settings):
     """Pictures for people; rendered only while somebody watches."""
 
     rate_hz: Annotated[float, Field(gt=0, le=60)] = 8.0
-    width: Annotated[int, Field(ge=64, le=1280)] = 320
-    height: Annotated[int, Field(ge=64, le=1280)] = 240
+    width: Annotated[int, Field(ge=64, le=1280)] = 400
+    height: Annotated[int, Field(ge=64, le=1280)] = 300
     quality: Annotated[int, Field(ge=10, le=100)] = 85
 
 

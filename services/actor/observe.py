@@ -1,7 +1,13 @@
 """Observe: tell the fleet what a robot does, and show pictures while somebody watches."""
 
+import contextlib
+import queue
+import threading
+from typing import Any, NamedTuple
+
 import numpy as np
 import simplejpeg
+import structlog
 
 from services.actor.config import FrameSettings
 from shared.clock import Clock
@@ -15,16 +21,40 @@ from shared.wire.codec import encode
 from shared.wire.keys import robot_key
 
 HEARTBEAT_NS = 500_000_000
+log = structlog.get_logger()
+
+
+class _Moment(NamedTuple):
+    """What a picture is made from."""
+
+    robot: Robot
+    snapshot: Any
+    cameras: dict[str, int]  # to the sequence number of the picture
+    episode: str
+    step: int
+    time_ns: int
 
 
 class Observer:
-    """What one robot tells of itself, at most as often as is useful."""
+    """What one robot tells of itself, at most as often as is useful.
 
-    def __init__(self, bus: Bus, fleet: str, robot: str, clock: Clock, frames: FrameSettings):
+    Pictures are drawn in a thread of their own: a control step takes 20 ms, a picture may take
+    as long. While one is being drawn the newest moment waits, and the one before is skipped;
+    `sequence` counts it all the same, so that whoever watches sees the gap.
+    """
+
+    def __init__(
+        self, bus: Bus, fleet: str, robot: str, clock: Clock, frames: FrameSettings
+    ) -> None:
         self._bus, self._clock, self._frames = bus, clock, frames
-        self._fleet, self._robot = fleet, robot
+        self._keys = {camera: robot_key(fleet, robot, f"frame-{camera}") for camera in CAMERAS}
+        self._heartbeat_key = robot_key(fleet, robot, "heartbeat")
+        self._name = robot
         self._heartbeat_due = self._frame_due = 0
-        self._sequence = 0
+        self._sequence = dict.fromkeys(CAMERAS, 0)
+        self._waiting: queue.Queue[_Moment | None] = queue.Queue(1)
+        self._thread = threading.Thread(target=self._draw, name=f"pictures-{robot}", daemon=True)
+        self._thread.start()
 
     def heartbeat_due(self) -> bool:
         """It is time for a sign of life."""
@@ -33,32 +63,56 @@ class Observer:
     def beat(self, heartbeat: RobotHeartbeat) -> None:
         """Publish a sign of life; the next one is due in half a second."""
         self._heartbeat_due = self._clock.monotonic_ns() + HEARTBEAT_NS
-        self._bus.put(robot_key(self._fleet, self._robot, "heartbeat"), encode(heartbeat))
+        self._bus.put(self._heartbeat_key, encode(heartbeat))
 
     def show(self, robot: Robot, rollout: Rollout) -> None:
-        """Publish pictures of the cameras that somebody watches, when a frame is due."""
+        """When a picture is due and somebody watches: hand this moment to who draws."""
         now = self._clock.monotonic_ns()
         if now < self._frame_due:
             return
         self._frame_due = now + int(1e9 / self._frames.rate_hz)
-        for camera in CAMERAS:
-            key = robot_key(self._fleet, self._robot, f"frame-{camera}")
-            if self._bus.watched(key):
-                self._publish(key, camera, robot, rollout)
+        watched = [camera for camera in CAMERAS if self._bus.watched(self._keys[camera])]
+        for camera in watched:
+            self._sequence[camera] += 1
+        if watched:
+            cameras = {camera: self._sequence[camera] for camera in watched}
+            snapshot, time_ns = robot.snapshot(), self._clock.now_ns()
+            self._offer(_Moment(robot, snapshot, cameras, rollout.episode, rollout.step, time_ns))
 
-    def _publish(self, key: str, camera: str, robot: Robot, rollout: Rollout) -> None:
-        picture = robot.picture(camera, self._frames.width, self._frames.height)
+    def close(self) -> None:
+        """Draw no more."""
+        self._offer(None)
+        self._thread.join()
+
+    def _offer(self, moment: _Moment | None) -> None:
+        while True:
+            try:
+                return self._waiting.put_nowait(moment)
+            except queue.Full:
+                with contextlib.suppress(queue.Empty):  # Else it was taken just now.
+                    self._waiting.get_nowait()
+
+    def _draw(self) -> None:
+        while (moment := self._waiting.get()) is not None:
+            try:
+                for camera in moment.cameras:
+                    self._publish(moment, camera)
+            except Exception:  # It must not end the pictures, let alone the robot.
+                log.exception("no picture", robot=self._name)
+
+    def _publish(self, moment: _Moment, camera: str) -> None:
+        frames = self._frames
+        picture = moment.robot.picture(moment.snapshot, camera, frames.width, frames.height)
         jpeg = simplejpeg.encode_jpeg(
-            np.ascontiguousarray(picture), quality=self._frames.quality, colorspace="RGB"
+            np.ascontiguousarray(picture), quality=frames.quality, colorspace="RGB"
         )
-        self._sequence += 1
         frame = Frame(
-            robot=self._robot,
-            episode=rollout.episode,
-            step=rollout.step,
+            robot=self._name,
+            episode=moment.episode,
+            step=moment.step,
             camera=camera,
-            sequence=self._sequence,
-            time_ns=self._clock.now_ns(),
+            sequence=moment.cameras[camera],
+            time_ns=moment.time_ns,
             arrays={"jpeg": np.frombuffer(jpeg, np.uint8)},
         )
-        self._bus.put(key, encode(frame), Urgency.BACKGROUND, droppable=True)
+        self._bus.put(self._keys[camera], encode(frame), Urgency.BACKGROUND, droppable=True)

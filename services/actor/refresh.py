@@ -1,17 +1,20 @@
 """Refresh: take up what the learner announces, verified, whole, and never an older version."""
 
 import hashlib
+import shutil
 import threading
 from collections.abc import Mapping
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import structlog
-from shared.policies.high_level import HighLevel
 
 from shared.errors import HldError
 from shared.messages.policy import PolicyAnnouncement, TensorRef
+from shared.policies.checkpoint import Card, save
+from shared.policies.high_level import HighLevel
 from shared.wire.bus import Bus
 from shared.wire.codec import decode
 from shared.wire.keys import any_service
@@ -55,6 +58,13 @@ class Refresh:
             announcement = decode(PolicyAnnouncement, payload)
             if announcement.version > self.newest.version:
                 self._take_up(announcement)
+            elif announcement.version < self.newest.version:
+                log.warning(
+                    "an older version was announced, and is not taken up",
+                    announced=str(announcement.version),
+                    running=str(self.newest.version),
+                )
+            self._arrived.set()
         except HldError as error:
             self.refused += 1
             log.error("announced policy refused", key=key, reason=str(error))
@@ -69,10 +79,30 @@ class Refresh:
         payloads = self._fetcher.fetch(announcement.tensors, FETCH_WITHIN_S)
         tensors = {ref.name: as_array(ref, payloads[ref.sha256]) for ref in announcement.tensors}
         high_level = HighLevel.build(announcement, tensors)
-        high_level.save(self._folder)
+        keep(high_level, self._folder)
         self.newest = high_level
-        self._arrived.set()
         log.info("policy ready", version=str(announcement.version))
+
+
+def keep(high_level: HighLevel, folder: Path) -> None:
+    """Put a version on the disk, so that a restarted robot goes on with it; whole or not at all."""
+    card = Card(
+        name="high_level",
+        title=f"High level, version {high_level.version}",
+        version=str(high_level.version),
+        date=datetime.now(UTC).date().isoformat(),
+        recipe=("Taken up from the learner's announcement.",),
+        command="hld actor",
+        seed=0,
+        data_sha256="",
+        tensors_sha256="",
+        settings={**high_level.settings(), "bank": "\n".join(high_level.bank.phrases)},
+    )
+    part = folder.with_name(folder.name + ".part")
+    shutil.rmtree(part, ignore_errors=True)
+    save(part, high_level.tensors(), card)
+    shutil.rmtree(folder, ignore_errors=True)
+    part.rename(folder)
 
 
 def by_hash(tensors: Mapping[str, np.ndarray[Any, Any]]) -> dict[str, bytes]:

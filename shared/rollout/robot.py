@@ -35,7 +35,7 @@ class Senses(NamedTuple):
 
 
 class Robot(Protocol):
-    """One robot in its cell. All calls come from one thread."""
+    """One robot in its cell. All calls but `picture` come from one thread."""
 
     action_size: int
 
@@ -51,8 +51,12 @@ class Robot(Protocol):
         """The pictures for the high level, [V, 64, 64, 3] uint8."""
         ...
 
-    def picture(self, camera: str, width: int, height: int) -> NDArray[np.uint8]:
-        """A picture for people, [height, width, 3] uint8."""
+    def snapshot(self) -> Any:
+        """This moment, as `picture` needs it; cheap, since the control loop waits for it."""
+        ...
+
+    def picture(self, snapshot: Any, camera: str, width: int, height: int) -> NDArray[np.uint8]:
+        """A picture for people, [height, width, 3] uint8; called from a thread of its own."""
         ...
 
     def truth(self) -> dict[str, Any]:

@@ -196,7 +196,8 @@ class Rollout:
 
     def _release(self, correction: Correction) -> Receipt:
         replaced = self._held.correction if self._held else None
-        self._lift()
+        self._held = self._coming = None
+        self._give_back()
         self._ask_again()
         self._acquit(correction)
         return self._receipt(correction, self.step, replaced)
@@ -234,15 +235,15 @@ class Rollout:
     def _turn_overrides(self) -> None:
         """Let what has expired go, and what is due begin."""
         if self._held and self._held.over(self.step):
-            self._lift()
+            self._held = None
+            self._give_back()
             self._next_query = self.step
         if self._coming and self.step >= self._coming.begin:
             self._held, self._coming = self._coming, None
             self._enforce(self._held.goal, self._held.correction)
 
-    def _lift(self) -> None:
+    def _give_back(self) -> None:
         """Nobody's word holds any longer: the high level's last proposal does."""
-        self._held = self._coming = None
         if self._proposals:
             self._enforce(self._proposals[0].goal, str(self._high_level.version))
 

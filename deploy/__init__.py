@@ -1,0 +1,1 @@
+"""What starts the services: the router, the laptop supervisor, the `hld` command."""

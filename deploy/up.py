@@ -1,0 +1,196 @@
+"""`hld up`: the whole loop on one machine, watched, evaluated and ended in good order."""
+
+import signal
+import threading
+import time
+from datetime import UTC, datetime
+from pathlib import Path
+from types import FrameType
+from typing import NamedTuple
+
+from rich.console import Console
+from rich.live import Live
+
+from deploy.board import Board
+from deploy.children import ChildError, Family, sets
+from deploy.judging import Judging
+from deploy.ports import check_free
+from deploy.report import Report
+from shared.errors import HldError
+
+POLL_S = 0.5
+PLAIN_EVERY_S = 20.0  # How often a line goes out where no terminal can show a table.
+
+
+class Plan(NamedTuple):
+    """What `hld up` was asked for; see its options."""
+
+    oracle: bool
+    robots: int
+    rounds: int
+    episodes: int
+    evaluate: int
+    report: Path | None
+    site: str
+    tasks: tuple[str, ...]
+    pace: str
+    seed: int
+    port: int
+    router_port: int
+    data: Path
+    fresh: bool
+    sets: tuple[str, ...] = ()
+
+    def sets_for(self, service: str) -> list[str]:
+        """What `--set SERVICE.KEY=VALUE` says about one service."""
+        mine = [text.removeprefix(f"{service}.") for text in self.sets]
+        return [
+            part
+            for text, own in zip(self.sets, mine, strict=True)
+            if text != own
+            for part in ("--set", own)
+        ]
+
+
+def run(plan: Plan) -> int:
+    """Run until the rounds are done or somebody says stop; the exit code."""
+    console = Console()
+    try:
+        check(plan)
+        if plan.fresh and plan.data.exists():
+            aside = f"{plan.data.name}-{datetime.now(UTC):%Y%m%d-%H%M%S}"
+            plan.data.rename(plan.data.with_name(aside))
+        plan.data.mkdir(parents=True, exist_ok=True)
+    except HldError as error:
+        console.print(f"[red]hld up:[/] {error}")
+        return 2
+    stop = stop_on_signals()
+    family = Family(plan.data / "logs")
+    judging = Judging(plan.data / "evaluation", plan.site, plan.tasks, plan.evaluate)
+    try:
+        start(plan, family)
+        watch(plan, family, judging, console, stop)
+        return 0
+    except (ChildError, HldError) as error:
+        console.print(f"[red]hld up:[/] {error}")
+        return 1
+    finally:
+        judging.close()
+        killed = family.end()
+        ended = "ended" if not killed else f"ended, but had to kill {', '.join(killed)}"
+        console.print(f"{ended}; everything is kept in {plan.data}")
+
+
+def check(plan: Plan) -> None:
+    """Refuse what cannot work before anything is started."""
+    known = ("router", "actor", "learner", "api", "oracle")
+    for text in plan.sets:
+        if text.split(".")[0] not in known or "=" not in text:
+            raise HldError(f"--set {text}: say SERVICE.KEY=VALUE with one of {', '.join(known)}")
+    if plan.pace not in ("real-time", "lockstep"):
+        raise HldError(f"--pace is real-time or lockstep, not {plan.pace!r}")
+    if plan.rounds and not plan.oracle and plan.pace == "lockstep":
+        raise HldError("lockstep waits for a verdict at each decision: add --oracle")
+    check_free("the page", plan.port)
+    check_free("the router", plan.router_port)
+
+
+def start(plan: Plan, family: Family) -> None:
+    """Start every process; each waits by itself for what it needs."""
+    bus = {"bus__connect": [f"tcp/127.0.0.1:{plan.router_port}"]}
+    data = plan.data
+    family.add("router", "deploy.router", *sets(port=plan.router_port), *plan.sets_for("router"))
+    family.add(
+        "learner",
+        "services.learner",
+        *sets(data=str(data / "learner"), seed=plan.seed, **learner_rounds(plan), **bus),
+        *plan.sets_for("learner"),
+    )
+    family.add(
+        "api",
+        "services.correction_api",
+        *sets(port=plan.port, database=str(data / "api" / "corrections.sqlite"), **bus),
+        *plan.sets_for("api"),
+    )
+    for index in range(plan.robots):
+        family.add(f"actor-{index + 1}", "services.actor", *actor_sets(plan, index), *sets(**bus))
+    if plan.oracle:
+        family.add(
+            "oracle",
+            "services.oracle",
+            *sets(url=f"http://127.0.0.1:{plan.port}", seed=plan.seed),
+            *plan.sets_for("oracle"),
+        )
+
+
+def learner_rounds(plan: Plan) -> dict[str, object]:
+    """When the learner begins a round: by episodes when they were asked for."""
+    rounds: dict[str, object] = {"round__max_rounds": plan.rounds}
+    if plan.episodes:
+        rounds |= {"round__episodes": plan.episodes, "round__corrections": 0, "round__after_s": 0}
+    return rounds
+
+
+def actor_sets(plan: Plan, index: int) -> list[str]:
+    """The settings of the actor of one robot."""
+    lockstep = plan.pace == "lockstep"
+    share = plan.episodes // plan.robots + (index < plan.episodes % plan.robots)
+    return [
+        *sets(
+            id=f"actor-{index + 1}",
+            robots=[f"robot-{index + 1}"],
+            first_index=index,
+            data=str(plan.data / f"actor-{index + 1}"),
+            site=plan.site,
+            tasks=list(plan.tasks),
+            seed=plan.seed,
+            pace=plan.pace,
+            rollout__supervised=lockstep and plan.oracle,
+            episodes_per_version=share,
+        ),
+        *plan.sets_for("actor"),
+    ]
+
+
+def watch(
+    plan: Plan, family: Family, judging: Judging, console: Console, stop: threading.Event
+) -> None:
+    """Show what happens, evaluate each version as it appears, and end when the work is done."""
+    board = Board(f"http://127.0.0.1:{plan.port}", plan.data / "learner" / "versions")
+    report = Report(plan.report, plan.tasks, plan.site, board, judging, plan.rounds)
+    if plan.evaluate:
+        judging.want("oracle", "oracle")
+    with Live(console=console, auto_refresh=False, transient=False) as live:
+        spoken = 0.0
+        while not stop.wait(POLL_S):
+            family.mind()
+            board.refresh()
+            if plan.evaluate:
+                for version, folder in board.versions():
+                    judging.want(version, str(folder))
+            if plan.rounds and len(board.versions()) > plan.rounds:
+                family.retire("oracle", "actor")  # Nothing more is to be learned from them.
+            report.write()
+            if console.is_terminal:
+                live.update(board.table(judging, family), refresh=True)
+            elif time.monotonic() - spoken > PLAIN_EVERY_S:
+                spoken = time.monotonic()
+                print(board.line(judging), flush=True)
+            if plan.rounds and report.complete():
+                break
+    console.print(board.table(judging, family))
+    if report.path:
+        console.print(f"report: {report.path}, plot: {report.plot()}")
+
+
+def stop_on_signals() -> threading.Event:
+    """Set at Ctrl-C or SIGTERM."""
+    stop = threading.Event()
+
+    def handle(number: int, frame: FrameType | None) -> None:
+        del number, frame  # Unused.
+        stop.set()
+
+    signal.signal(signal.SIGINT, handle)
+    signal.signal(signal.SIGTERM, handle)
+    return stop

@@ -1,0 +1,1 @@
+"""Learns from what people said: collect, aggregate, train, gate, publish; round after round."""

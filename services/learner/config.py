@@ -1,0 +1,71 @@
+"""Settings of the learner; defaults < TOML < HLD_LEARNER_… < --set."""
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from services.learner.aggregate import LabelSettings
+from services.learner.gate import GateSettings
+from services.learner.rounds import RoundSettings
+from shared.config import Settings
+from shared.messages.message import Id
+from shared.wire.bus import BusSettings
+
+
+class TrainSettings(Settings):
+    """How a round trains.
+
+    start: from the version in force, or anew from the first one of the store.
+    steps, batch, lr, frozen_encoder: as in `shared.policies.fit.FitSettings`.
+    correction_share: of each batch, from what people said in all rounds so far; the rest are
+        demonstrations.
+    threads: of torch. nice: how much the training yields to robots on the same machine.
+    """
+
+    start: Literal["in-force", "base"] = "in-force"
+    steps: Annotated[int, Field(ge=1, le=1_000_000)] = 400
+    batch: Annotated[int, Field(ge=2, le=4096)] = 64
+    lr: Annotated[float, Field(gt=0, le=1)] = 6e-4
+    frozen_encoder: bool = False
+    correction_share: Annotated[float, Field(gt=0, lt=1)] = 0.5
+    threads: Annotated[int, Field(ge=1)] = 1
+    nice: Annotated[int, Field(ge=0, le=19)] = 5
+
+
+class Recipe(Settings):
+    """Everything that decides what a round makes of what happened; kept in its manifest."""
+
+    labels: LabelSettings = LabelSettings()
+    train: TrainSettings = TrainSettings()
+    gate: GateSettings = GateSettings()
+
+
+class LearnerSettings(Settings):
+    """The learner.
+
+    data: folder of the run; all that the learner keeps lies in it.
+    seed: of the training, to which each round adds its number.
+    store: URL of the database; empty means SQLite in `data`.
+    low_level, high_level, demonstrations: checkpoint folders; None takes those that come with
+        the project. The high level is only what a fresh store starts from.
+    log_level: debug, info, warning or error.
+    """
+
+    id: Id = "learner"
+    data: Path = Path("runs/learner")
+    seed: Annotated[int, Field(ge=0)] = 0
+    store: str = ""
+    low_level: Path | None = None
+    high_level: Path | None = None
+    demonstrations: Path | None = None
+    log_level: Literal["debug", "info", "warning", "error"] = "info"
+    bus: BusSettings = BusSettings()
+    round: RoundSettings = RoundSettings()
+    labels: LabelSettings = LabelSettings()
+    train: TrainSettings = TrainSettings()
+    gate: GateSettings = GateSettings()
+
+    def recipe(self) -> Recipe:
+        """The part that a round's result depends on."""
+        return Recipe(labels=self.labels, train=self.train, gate=self.gate)

@@ -1,0 +1,116 @@
+"""Judge a candidate before any robot sees it; between training and publishing."""
+
+import hashlib
+from collections.abc import Iterable
+from typing import Annotated, NamedTuple, Protocol
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from services.learner.aggregate import Label
+from shared.config import Settings
+from shared.messages.policy import TensorRef
+
+
+class GateSettings(Settings):
+    """What a candidate must be able to show.
+
+    held_out_share: of the corrected episodes, those that no round trains on; chosen by their
+        ids, so that they stay the same ones. at_least: labels among them, below which their
+        agreement says too little to be judged by.
+    max_fall: by which the agreement with them may fall, against the version in force.
+    """
+
+    held_out_share: Annotated[float, Field(ge=0, lt=1)] = 0.1
+    at_least: Annotated[int, Field(ge=1)] = 20
+    max_fall: Annotated[float, Field(ge=0, le=1)] = 0.05
+
+
+class Figures(BaseModel):
+    """What the training of a round reported.
+
+    labels, held_out: decisions that it learned from, and that it kept aside.
+    labels_sha256: over all of both, so that a rebuilt data set can be held against it.
+    before, after: share of the held-out labels that the version in force and the candidate
+        propose first; None where nothing was held out.
+    loss: mean over the last steps. finite: no weight is infinite or not a number. seconds: it took.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    labels: int
+    labels_sha256: str
+    held_out: int
+    loss: float | None
+    finite: bool
+    seconds: float
+    before: float | None = None
+    after: float | None = None
+
+
+class Candidate(BaseModel):
+    """What a round made and nobody has seen yet.
+
+    tensors: their bytes lie in the store's `TensorFiles`. bank, settings: as in
+    `PolicyAnnouncement`.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    tensors: tuple[TensorRef, ...]
+    bank: tuple[str, ...]
+    settings: dict[str, int | float | str | bool]
+    figures: Figures
+
+
+class Verdict(NamedTuple):
+    """Whether a candidate goes out, and why not."""
+
+    passed: bool
+    reason: str = ""
+
+
+class Gate(Protocol):
+    """Decides whether a candidate goes out."""
+
+    def judge(self, candidate: Candidate) -> Verdict:
+        """Called once for each candidate, in the learner's own thread."""
+        ...
+
+
+class LabelGate:
+    """Holds a candidate against labels that it was not trained on.
+
+    A candidate that agrees less with what people said would do worse in the same scenes;
+    that it does better in new ones is for an evaluation to show.
+    """
+
+    def __init__(self, settings: GateSettings) -> None:
+        self._settings = settings
+
+    def judge(self, candidate: Candidate) -> Verdict:
+        figures, settings = candidate.figures, self._settings
+        if not figures.finite:
+            return Verdict(False, "a weight is infinite or not a number")
+        if figures.before is None or figures.after is None or figures.held_out < settings.at_least:
+            return Verdict(True)
+        if figures.after < figures.before - settings.max_fall:
+            return Verdict(
+                False,
+                f"it agrees with {figures.after:.3f} of {figures.held_out} held-out labels, the "
+                f"version in force with {figures.before:.3f}; {settings.max_fall} less is allowed",
+            )
+        return Verdict(True)
+
+
+def split(labels: Iterable[Label], share: float) -> tuple[list[Label], list[Label]]:
+    """Labels to train on, and those to hold out: whole episodes, the same ones in every round."""
+    kept: list[Label] = []
+    held_out: list[Label] = []
+    for label in labels:
+        (held_out if _lot(label.episode) < share else kept).append(label)
+    return kept, held_out
+
+
+def _lot(episode: str) -> float:
+    """A number in [0, 1) that an episode draws once and for all."""
+    return int.from_bytes(hashlib.sha256(episode.encode()).digest()[:6]) / 2**48

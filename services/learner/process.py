@@ -1,0 +1,123 @@
+"""Train in a process beside the learner, so that nothing it does can hold up what arrives.
+
+A process and not a thread: torch and Python share one lock in a thread, a process can be ended
+at any moment, and one that runs out of memory takes no acknowledged record with it.
+"""
+
+import subprocess
+import sys
+import threading
+from pathlib import Path
+from typing import IO, cast
+
+from pydantic import BaseModel, ConfigDict
+
+from services.learner.gate import Candidate
+from services.learner.store.store import Round
+from shared.errors import PolicyError
+
+
+class Job(BaseModel):
+    """What a training process is told, as one line of JSON on its standard input.
+
+    store: URL of the store, which it only reads. tensors: the folder of the store's tensors.
+    demonstrations: checkpoint folder; None takes the one that comes with the project.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    store: str
+    tensors: Path
+    demonstrations: Path | None
+    round: int
+
+
+class Report(BaseModel):
+    """What it answers, line by line: how far it is, and at the end what it made, or why not."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    progress: float = 0.0
+    candidate: Candidate | None = None
+    reason: str = ""
+
+
+class TrainProcess:
+    """A `Trainer` that starts `services.learner.train` for each round."""
+
+    def __init__(self, store: str, tensors: Path, demonstrations: Path | None) -> None:
+        self._store, self._tensors, self._demonstrations = store, tensors, demonstrations
+        self._running: _Running | None = None
+
+    def start(self, round_: Round) -> None:
+        """Begin to train; returns at once."""
+        job = Job(
+            store=self._store,
+            tensors=self._tensors,
+            demonstrations=self._demonstrations,
+            round=round_.number,
+        )
+        self._running = _Running(job)
+
+    def progress(self) -> float:
+        """How far it is, 0 to 1."""
+        return self._running.report.progress if self._running else 0.0
+
+    def result(self) -> Candidate | None:
+        """What came of it, once; None while it is at work.
+
+        Raises:
+            PolicyError: nothing came of it; the reason is in the text.
+        """
+        if self._running is None or self._running.process.poll() is None:
+            return None
+        ended, self._running = self._running, None
+        code = ended.close()
+        if ended.report.candidate is not None:
+            return ended.report.candidate
+        raise PolicyError(ended.report.reason or _explain(code))
+
+    def stop(self) -> None:
+        """Give up what is being trained, if anything is."""
+        if self._running is not None:
+            self._running.process.kill()
+            self._running.close()
+            self._running = None
+
+
+class _Running:
+    """A training process, and a thread that reads what it reports."""
+
+    def __init__(self, job: Job) -> None:
+        self.report = Report()
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "services.learner.train"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+            start_new_session=True,  # Ctrl-C is for the learner; it ends its training itself.
+        )
+        # The line stays open after the job: its end tells the process that its learner died.
+        stdin = cast(IO[str], self.process.stdin)
+        stdin.write(job.model_dump_json() + "\n")
+        stdin.flush()
+        self._reader = threading.Thread(target=self._read, name="training", daemon=True)
+        self._reader.start()
+
+    def close(self) -> int:
+        """Wait for its end, which is near; returns the exit code."""
+        code = self.process.wait()
+        self._reader.join()
+        for pipe in (self.process.stdin, self.process.stdout):
+            cast(IO[str], pipe).close()
+        return code
+
+    def _read(self) -> None:
+        for line in cast(IO[str], self.process.stdout):
+            self.report = Report.model_validate_json(line)
+
+
+def _explain(code: int) -> str:
+    if code < 0:
+        return f"the training was ended by signal {-code}; the machine may be short of memory"
+    return f"the training ended with exit code {code}; its log says more"

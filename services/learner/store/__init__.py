@@ -1,0 +1,1 @@
+"""What the learner keeps: what happened, what was made of it, and who may write."""

@@ -1,0 +1,226 @@
+"""What a store of the learner must be able to do, and the records that it hands out.
+
+`tests/unit/learner/test_store.py` holds every implementation to it.
+"""
+
+from collections.abc import Iterable, Iterator
+from enum import StrEnum
+from typing import Any, NamedTuple, Protocol
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from shared.messages.correction import Correction
+from shared.messages.decision import Decision
+from shared.messages.episode import Episode
+from shared.messages.policy import TensorRef
+from shared.messages.receipt import Receipt
+
+Kept = Decision | Correction | Receipt | Episode
+
+
+class _Record(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Marks(_Record):
+    """How far the four tables of arrivals had grown: the number of the last row of each."""
+
+    decisions: int = 0
+    corrections: int = 0
+    receipts: int = 0
+    episodes: int = 0
+
+
+class Manifest(_Record):
+    """What a round is made from, fixed when it begins: with the seed, it can be made again.
+
+    marks: later arrivals are not part of it. excluded: episodes that had arrived, but not yet
+    all of their decisions and corrections; the next round looks at them again.
+    settings: of the labels, the training and the gate, as JSON values.
+    episodes, corrections: how many of each were new since the round before.
+    """
+
+    marks: Marks = Marks()
+    excluded: tuple[str, ...] = ()
+    settings: dict[str, Any] = Field(default_factory=dict)
+    episodes: int = 0
+    corrections: int = 0
+
+
+class RoundState(StrEnum):
+    """How far a round came: being trained, published, held back by the gate, or broken off."""
+
+    RUNNING = "running"
+    PASSED = "passed"
+    REFUSED = "refused"
+    FAILED = "failed"
+
+
+class Round(_Record):
+    """One turn of DAgger.
+
+    parent: the number of the version that it started from. made: that of the one that it made.
+    epoch: of the learner that began it. figures: what the training reported.
+    reason: why it was refused or failed. Times are wall-clock, in ns.
+    """
+
+    number: int
+    epoch: int
+    parent: int
+    seed: int
+    manifest: Manifest
+    begun_ns: int
+    state: RoundState = RoundState.RUNNING
+    figures: dict[str, Any] = Field(default_factory=dict)
+    reason: str = ""
+    ended_ns: int | None = None
+    made: int | None = None
+
+
+class PolicyRecord(_Record):
+    """A version of the high level as it is kept; its tensors lie in `TensorFiles`.
+
+    number: the second half of the version; the first is the epoch of who announces it.
+    epoch: of the learner that made it. marks: how far the tables had grown then.
+    """
+
+    number: int
+    epoch: int
+    tensors: tuple[TensorRef, ...]
+    bank: tuple[str, ...]
+    settings: dict[str, int | float | str | bool]
+    low_level_sha256: str
+    marks: Marks
+    created_ns: int
+
+
+class DecisionHead(NamedTuple):
+    """What the labels are derived from: a decision without its pictures.
+
+    executed: the text of the goal in force. best: the text of the first proposal.
+    """
+
+    id: str
+    robot: str
+    episode: str
+    step: int
+    executed: str
+    best: str
+    chosen_by: str
+
+
+class History(NamedTuple):
+    """Everything that happened, up to a manifest, in no particular order."""
+
+    decisions: tuple[DecisionHead, ...]
+    corrections: tuple[Correction, ...]
+    receipts: tuple[Receipt, ...]
+    episodes: tuple[Episode, ...]
+
+
+class Arrival(NamedTuple):
+    """An episode that no round has used yet, and how complete it is.
+
+    aborted: it was broken off; its corrections are learned from, but it is not counted.
+    decisions, corrections: how many of those it speaks of are missing.
+    overrides: accepted corrections with a goal that are here. arrived_ns: wall clock.
+    """
+
+    episode: str
+    aborted: bool
+    arrived_ns: int
+    decisions: int
+    corrections: int
+    overrides: int
+
+
+class Survey(NamedTuple):
+    """What no round has used yet, and how far the tables had grown at that moment."""
+
+    marks: Marks
+    arrivals: tuple[Arrival, ...]
+
+
+class Tally(NamedTuple):
+    """What arrived since some marks: episodes but for the aborted ones, overrides that the robots
+    obeyed, and decisions."""
+
+    episodes: int = 0
+    successes: int = 0
+    corrections: int = 0
+    decisions: int = 0
+
+
+class Store(Protocol):
+    """What the learner keeps. Every method may be called from any thread.
+
+    What returned is on the disk: it outlives a crash of the process and of the machine.
+    """
+
+    def add(self, message: Kept, now_ns: int) -> bool:
+        """Keep a message; False where it was here already.
+
+        Raises:
+            RefusedError: another message has this id.
+        """
+        ...
+
+    def take_over(self, learner: str, now_ns: int) -> int:
+        """Become the learner of this store: a new epoch, higher than all before."""
+        ...
+
+    def epoch(self) -> int:
+        """The epoch of the last learner that took over; 0 before the first."""
+        ...
+
+    def tally(self, since: Marks) -> Tally:
+        """Count what arrived after `since`."""
+        ...
+
+    def survey(self, after: Manifest) -> Survey:
+        """The episodes that came after `after`, or that it excluded; in order of arrival."""
+        ...
+
+    def history(self, manifest: Manifest) -> History:
+        """Everything that `manifest` speaks of."""
+        ...
+
+    def decisions(self, ids: Iterable[str]) -> Iterator[Decision]:
+        """Whole decisions with their pictures, in the order of `ids`."""
+        ...
+
+    def begin(self, round_: Round) -> None:
+        """Keep a round that begins.
+
+        Raises:
+            RefusedError: the epoch is no longer in force, or the round was begun before.
+        """
+        ...
+
+    def end(self, round_: Round, version: PolicyRecord | None = None) -> None:
+        """Keep how a round ended, together with the version that it made; both or neither.
+
+        Raises:
+            RefusedError: the epoch of `version` is no longer in force, or the round is not running.
+        """
+        ...
+
+    def rounds(self) -> tuple[Round, ...]:
+        """All rounds, the oldest first."""
+        ...
+
+    def found(self, version: PolicyRecord) -> None:
+        """Keep the version that a fresh store starts from.
+
+        Raises:
+            RefusedError: the store has a version already.
+        """
+        ...
+
+    def version(self, number: int | None = None) -> PolicyRecord | None:
+        """A version by its number; None asks for the one in force, the newest."""
+        ...
+
+    def close(self) -> None:
+        """Give everything back; what waits is written first."""
+        ...

@@ -1,0 +1,197 @@
+"""Fine-tune the high level on demonstrations and on everything that people said so far.
+
+The third step of a round, in a process of its own: `python -m services.learner.train` reads a
+job from its standard input and reports line by line (`process.py`). It only reads the store.
+"""
+
+import os
+import sys
+import threading
+import time
+from collections.abc import Callable, Sequence
+from contextlib import closing
+
+import numpy as np
+import torch
+
+from services.learner.aggregate import Label, canonical, derive, sha256_labels
+from services.learner.config import Recipe, TrainSettings
+from services.learner.gate import Candidate, Figures, split
+from services.learner.process import Job, Report
+from services.learner.publish import announcement
+from services.learner.store.sql import SqlStore
+from services.learner.store.store import PolicyRecord, Round, Store
+from services.learner.store.tensors import TensorFiles, unpack
+from shared.errors import HldError, PolicyError
+from shared.goals.language.bank import PhraseBank
+from shared.messages.decision import Decision
+from shared.messages.observation import Observation
+from shared.policies import examples
+from shared.policies.checkpoint import bundled
+from shared.policies.examples import Examples
+from shared.policies.fit import FitSettings, fit
+from shared.policies.high_level import HighLevel
+from shared.telemetry import set_up
+
+Progress = Callable[[float], None]
+
+
+def fine_tune(
+    round_: Round,
+    store: Store,
+    files: TensorFiles,
+    demonstrations: Examples,
+    progress: Progress,
+) -> Candidate:
+    """Make the candidate of a round; the same manifest and seed give the same one.
+
+    Raises:
+        PolicyError: a version is missing, or there is nothing to learn from.
+    """
+    began = time.monotonic()
+    recipe = Recipe.model_validate(round_.manifest.settings)
+    in_force = _record(store, round_.parent)
+    labels = derive(store.history(round_.manifest), recipe.labels, in_force.low_level_sha256)
+    kept, held_out = split(labels, recipe.gate.held_out_share)
+    policy = open_version(in_force, files)
+    before = agreement(policy, held_out, store)
+    if recipe.train.start == "base":
+        policy = open_version(_record(store, 0), files)
+    bank, spelling = grow(policy.bank, labels)
+    said = gather(kept, spelling, store) if kept else None
+
+    def told(step: int, steps: int, loss: float) -> bool:
+        del loss  # Unused.
+        progress(step / steps)
+        return True
+
+    report = fit(
+        policy.net, bank, demonstrations, said, _fit_settings(recipe.train, round_.seed), told
+    )
+    policy = HighLevel(policy.net, bank, policy.version)
+    figures = Figures(
+        labels=len(kept),
+        labels_sha256=sha256_labels(labels),
+        held_out=len(held_out),
+        loss=report.loss if np.isfinite(report.loss) else None,
+        finite=all(np.isfinite(array).all() for array in policy.tensors().values()),
+        seconds=round(time.monotonic() - began, 3),
+        before=before,
+        after=agreement(policy, held_out, store),
+    )
+    return Candidate(
+        tensors=tuple(files.add(name, array) for name, array in policy.tensors().items()),
+        bank=bank.phrases,
+        settings=policy.settings(),
+        figures=figures,
+    )
+
+
+def open_version(record: PolicyRecord, files: TensorFiles) -> HighLevel:
+    """A kept version, ready to be asked or trained."""
+    tensors = {ref.name: unpack(ref, files.get(ref.sha256)) for ref in record.tensors}
+    return HighLevel.build(announcement(record, record.epoch, "learner"), tensors)
+
+
+def grow(bank: PhraseBank, labels: Sequence[Label]) -> tuple[PhraseBank, dict[str, str]]:
+    """A bank that holds every label, and how it spells each.
+
+    A phrase that nobody used before is added at the end: the head compares vectors, so it needs
+    no new weights.
+    """
+    spelling = {canonical(phrase): phrase for phrase in reversed(bank.phrases)}
+    for label in labels:
+        if label.text not in spelling:
+            bank = bank.add(label.text)
+            spelling[label.text] = label.text
+    return bank, spelling
+
+
+def gather(labels: Sequence[Label], spelling: dict[str, str], store: Store) -> Examples:
+    """The labelled decisions as the network reads them: what the high level saw, as it saw it."""
+    seen = [*store.decisions(label.decision for label in labels)]
+    return Examples(
+        images=np.stack([decision.arrays["images"] for decision in seen]),
+        prompts=[decision.prompt for decision in seen],
+        previous=[decision.previous for decision in seen],
+        labels=[spelling[label.text] for label in labels],
+        weights=np.array([label.weight for label in labels], np.float32),
+    )
+
+
+def agreement(policy: HighLevel, labels: Sequence[Label], store: Store) -> float | None:
+    """The share of labels that a policy proposes first; None where there are none."""
+    if not labels:
+        return None
+    seen = store.decisions(label.decision for label in labels)
+    right = [
+        canonical(policy.propose(observation_of(decision))[0].goal.text) == label.text
+        for label, decision in zip(labels, seen, strict=True)
+    ]
+    return sum(right) / len(right)
+
+
+def observation_of(decision: Decision) -> Observation:
+    """What the high level saw when it took a decision; arrays of its own, as torch wants them."""
+    return Observation(
+        step=decision.step,
+        prompt=decision.prompt,
+        previous=decision.previous,
+        arrays={name: np.array(array) for name, array in decision.arrays.items()},
+    )
+
+
+def _record(store: Store, number: int) -> PolicyRecord:
+    record = store.version(number)
+    if record is None:
+        raise PolicyError(f"the store has no version number {number}")
+    return record
+
+
+def _fit_settings(settings: TrainSettings, seed: int) -> FitSettings:
+    return FitSettings(
+        steps=settings.steps,
+        batch=settings.batch,
+        lr=settings.lr,
+        frozen_encoder=settings.frozen_encoder,
+        correction_share=settings.correction_share,
+        seed=seed,
+    )
+
+
+def main() -> None:
+    """Do the job on standard input, and report on standard output."""
+    lines = os.fdopen(os.dup(1), "w", buffering=1)
+    os.dup2(2, 1)  # Whatever else is printed goes to the log.
+    set_up("learner-training")
+    job = Job.model_validate_json(sys.stdin.readline())
+    threading.Thread(target=_end_with_learner, daemon=True).start()
+
+    def tell(report: Report) -> None:
+        lines.write(report.model_dump_json() + "\n")
+
+    tell(_work(job, lambda share: tell(Report(progress=share))))
+
+
+def _end_with_learner() -> None:
+    os.read(0, 1)  # Returns when the learner is gone; nobody waits for the result then.
+    os._exit(1)
+
+
+def _work(job: Job, progress: Progress) -> Report:
+    with closing(SqlStore(job.store)) as store:
+        round_ = next(one for one in store.rounds() if one.number == job.round)
+        settings = Recipe.model_validate(round_.manifest.settings).train
+        os.nice(settings.nice)
+        torch.set_num_threads(settings.threads)
+        try:
+            demonstrations = examples.load(job.demonstrations or bundled("demonstrations"))
+            files = TensorFiles(job.tensors)
+            candidate = fine_tune(round_, store, files, demonstrations, progress)
+        except HldError as error:
+            return Report(reason=str(error))
+    return Report(progress=1.0, candidate=candidate)
+
+
+if __name__ == "__main__":
+    main()

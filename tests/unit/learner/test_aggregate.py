@@ -1,0 +1,275 @@
+"""The table of labels in the learner's README, case by case."""
+
+import random
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from services.learner.aggregate import Ground, Label, LabelSettings, canonical, derive
+from services.learner.store.memory import head_of
+from services.learner.store.store import History
+from shared.messages.correction import Correction, Kind
+from shared.messages.decision import Decision
+from shared.messages.episode import Episode
+from shared.messages.receipt import Receipt
+from tests.unit.learner.records import (
+    CHEESE,
+    HAM,
+    LOW,
+    TOAST,
+    correction,
+    decision,
+    episode,
+    receipt,
+)
+
+
+def labels_of(*messages: Any, **over: Any) -> dict[int, Label]:
+    """The labels of what happened, by step; the episode e-1 is added."""
+    kinds: dict[type, list[Any]] = {Decision: [], Correction: [], Receipt: [], Episode: []}
+    for message in messages:
+        kinds[type(message)].append(message)
+    episodes = kinds[Episode] or [episode()]
+    history = History(
+        tuple(map(head_of, kinds[Decision])),
+        tuple(kinds[Correction]),
+        tuple(kinds[Receipt]),
+        tuple(episodes),
+    )
+    found = derive(history, LabelSettings(**over), LOW)
+    return {int(label.decision.rsplit("-", 1)[1]): label for label in found}
+
+
+def texts(labels: dict[int, Label]) -> dict[int, str]:
+    return {step: label.text for step, label in labels.items()}
+
+
+def every_20(last: int, **over: Any) -> list[Decision]:
+    return [decision(step=step, **over) for step in range(0, last + 1, 20)]
+
+
+def test_what_nobody_judged_gives_no_label() -> None:
+    assert labels_of(*every_20(100)) == {}
+
+
+def test_an_override_labels_the_decision_it_was_given_for_and_what_it_holds() -> None:
+    given = correction("c", HAM, decision="e-1-40", seen_step=40, hold_steps=30)
+    labels = labels_of(*every_20(100), given, receipt("c", 40))
+    assert texts(labels) == {40: HAM, 60: HAM}
+    assert (labels[40].ground, labels[60].ground) == (Ground.OBJECTED, Ground.HELD)
+    assert {label.weight for label in labels.values()} == {1.0}
+
+
+def test_a_delayed_override_still_labels_the_decision_it_was_given_for() -> None:
+    given = correction("c", HAM, decision="e-1-40", delay_steps=35, hold_steps=10)
+    assert texts(labels_of(*every_20(100), given, receipt("c", 75))) == {40: HAM, 80: HAM}
+
+
+def test_an_override_without_an_end_holds_to_the_end_of_its_episode() -> None:
+    said = [correction("c", HAM), receipt("c", 50)]
+    over = episode(steps=90)
+    assert texts(labels_of(*every_20(100), *said, over)) == {60: HAM, 80: HAM}
+
+
+def test_a_later_override_replaces_the_one_that_held() -> None:
+    said = [correction("c", HAM), receipt("c", 40), correction("d", TOAST), receipt("d", 80)]
+    labels = labels_of(*every_20(100), *said, before_steps=0)
+    assert texts(labels) == {40: HAM, 60: HAM, 80: TOAST, 100: TOAST}
+
+
+def test_what_held_just_before_an_override_is_masked_unless_it_was_judged() -> None:
+    said = [
+        correction("c", HAM, decision="e-1-40"),
+        receipt("c", 40),
+        correction("d", TOAST, decision="e-1-100", seen_step=100),
+        receipt("d", 100),
+    ]
+    labels = labels_of(*every_20(100), *said, before_steps=45)
+    assert texts(labels) == {40: HAM, 100: TOAST}  # 60 and 80 lie within 45 steps of 100.
+    judged = [correction("a", kind="approve", decision="e-1-80"), receipt("a", 80)]
+    labels = labels_of(*every_20(100, executed=HAM), *said, *judged, before_steps=45)
+    assert texts(labels) == {40: HAM, 80: HAM, 100: TOAST}
+
+
+def test_the_mask_begins_before_what_the_person_saw_and_not_before_it_took_effect() -> None:
+    said = [
+        correction("c", HAM),
+        receipt("c", 20),
+        correction("d", TOAST, seen_step=60),
+        receipt("d", 100),
+    ]
+    assert texts(labels_of(*every_20(100), *said)) == {20: HAM, 100: TOAST}
+
+
+def test_an_override_that_was_replaced_before_it_began_labels_nothing() -> None:
+    said = [
+        correction("c", HAM, delay_steps=60),
+        receipt("c", 80, time_ns=1),
+        correction("d", TOAST),
+        receipt("d", 40, time_ns=2),
+    ]
+    assert set(texts(labels_of(*every_20(100), *said)).values()) == {TOAST}
+
+
+def test_a_refused_correction_and_one_without_a_receipt_give_no_label() -> None:
+    given = correction("c", HAM, decision="e-1-40")
+    assert labels_of(*every_20(60), given, receipt("c", None)) == {}
+    assert labels_of(*every_20(60), given) == {}
+
+
+@pytest.mark.parametrize("weight", [0.25, 1.0])
+def test_an_approval_labels_its_decision_with_what_was_executed(weight: float) -> None:
+    given = correction("a", kind="approve", decision="e-1-20")
+    labels = labels_of(*every_20(60), given, receipt("a", 20), approval_weight=weight)
+    assert texts(labels) == {20: CHEESE}
+    assert (labels[20].weight, labels[20].ground) == (weight, Ground.APPROVED)
+
+
+def test_an_approval_weight_of_zero_leaves_approvals_out() -> None:
+    given = correction("a", kind="approve", decision="e-1-20")
+    assert labels_of(*every_20(60), given, receipt("a", 20), approval_weight=0) == {}
+
+
+@pytest.mark.parametrize("kind", ["pass", "pause", "resume"])
+def test_passing_pausing_and_resuming_are_never_labels(kind: str) -> None:
+    given = correction("p", kind=kind, decision="e-1-20")
+    assert labels_of(*every_20(60), given, receipt("p", 20)) == {}
+
+
+@pytest.mark.parametrize("approved_ns", [1, 99])
+def test_an_approval_never_stands_against_an_override_of_the_same_decision(
+    approved_ns: int,
+) -> None:
+    said = [
+        correction("c", HAM, decision="e-1-20", hold_steps=5),
+        receipt("c", 20, time_ns=50),
+        correction("a", kind="approve", decision="e-1-20"),
+        receipt("a", 20, time_ns=approved_ns),
+    ]
+    assert texts(labels_of(*every_20(60), *said)) == {20: HAM}
+
+
+def test_a_release_labels_its_decision_with_the_top_proposal_and_ends_the_hold() -> None:
+    said = [
+        correction("c", HAM),
+        receipt("c", 20),
+        correction("r", kind="release", decision="e-1-60"),
+        receipt("r", 60),
+    ]
+    held = [decision(step=step, executed=HAM, best=TOAST) for step in range(0, 101, 20)]
+    labels = labels_of(*held, *said, approval_weight=0.5)
+    assert texts(labels) == {20: HAM, 40: HAM, 60: TOAST}
+    assert (labels[60].weight, labels[60].ground) == (0.5, Ground.RELEASED)
+
+
+def test_a_release_that_names_no_decision_only_ends_the_hold() -> None:
+    said = [
+        correction("c", HAM),
+        receipt("c", 20),
+        correction("r", kind="release"),
+        receipt("r", 50),
+    ]
+    assert texts(labels_of(*every_20(100), *said)) == {20: HAM, 40: HAM}
+
+
+def test_an_episode_gives_no_labels_before_it_is_over() -> None:
+    given = correction("c", HAM, episode="e-2", decision="e-2-0")
+    said = [decision("e-2"), given, receipt("c", 0, episode="e-2")]
+    assert labels_of(*said, episode("e-1")) == {}
+    assert len(labels_of(*said, episode("e-1"), episode("e-2"))) == 1
+
+
+def test_an_episode_of_another_low_level_gives_no_labels() -> None:
+    said = [*every_20(60), correction("c", HAM), receipt("c", 20)]
+    assert labels_of(*said, episode(low_level_sha256="b" * 64)) == {}
+
+
+@pytest.mark.parametrize(
+    ("text", "spelling"),
+    [
+        ("Pick up  the HAM.", HAM),
+        (HAM, HAM),
+        ("wait!", "wait"),
+        ("...", "..."),
+    ],
+)
+def test_a_phrase_has_one_spelling(text: str, spelling: str) -> None:
+    assert canonical(text) == spelling
+    assert canonical(canonical(text)) == canonical(text)
+
+
+KINDS = st.sampled_from([Kind.OVERRIDE, Kind.OVERRIDE, Kind.APPROVE, Kind.RELEASE, Kind.PASS])
+
+
+@st.composite
+def happenings(draw: st.DrawFn) -> list[Any]:
+    """Two episodes with some people talking in them."""
+    messages: list[Any] = []
+    for name in ("e-1", "e-2"):
+        messages += [decision(name, step) for step in range(0, 200, 20)]
+        messages.append(episode(name))
+    for number in range(draw(st.integers(0, 12))):
+        name, kind = draw(st.sampled_from(["e-1", "e-2"])), draw(KINDS)
+        begin = draw(st.integers(0, 199))
+        goal = draw(st.sampled_from([HAM, TOAST])) if kind is Kind.OVERRIDE else None
+        named = draw(st.none() | st.integers(0, 9))
+        messages.append(
+            correction(
+                f"c-{number}",
+                goal,
+                kind=kind,
+                episode=name,
+                decision=None if named is None else f"{name}-{named * 20}",
+                hold_steps=draw(st.none() | st.integers(1, 80)) if goal else None,
+            )
+        )
+        if draw(st.booleans()):
+            time_ns = draw(st.integers(0, 5))
+            messages.append(receipt(f"c-{number}", begin, episode=name, time_ns=time_ns))
+    return messages
+
+
+def derived(messages: list[Any], **over: Any) -> tuple[Label, ...]:
+    kinds: dict[type, list[Any]] = {Decision: [], Correction: [], Receipt: [], Episode: []}
+    for message in messages:
+        kinds[type(message)].append(message)
+    history = History(
+        tuple(map(head_of, kinds[Decision])),
+        tuple(kinds[Correction]),
+        tuple(kinds[Receipt]),
+        tuple(kinds[Episode]),
+    )
+    return derive(history, LabelSettings(**over), LOW)
+
+
+@settings(max_examples=150, deadline=None)
+@given(happenings(), st.randoms(use_true_random=False))
+def test_the_order_of_arrival_makes_no_difference(
+    messages: list[Any], order: random.Random
+) -> None:
+    before = derived(messages)
+    order.shuffle(messages)
+    assert derived(messages) == before
+
+
+@settings(max_examples=150, deadline=None)
+@given(happenings())
+def test_a_decision_has_one_label_at_most_and_only_where_somebody_spoke(
+    messages: list[Any],
+) -> None:
+    labels = derived(messages)
+    assert len({label.decision for label in labels}) == len(labels)
+    obeyed = {message.correction for message in messages if isinstance(message, Receipt)}
+    assert {label.correction for label in labels} <= obeyed
+
+
+@settings(max_examples=100, deadline=None)
+@given(happenings())
+def test_a_larger_mask_never_adds_a_label_or_changes_one(messages: list[Any]) -> None:
+    some = {label.decision: label for label in derived(messages, before_steps=40)}
+    more = {label.decision: label for label in derived(messages, before_steps=0)}
+    assert some.keys() <= more.keys()
+    unjudged = {d for d in some if some[d].ground is Ground.HELD}
+    assert all(some[d] == more[d] for d in unjudged)

@@ -1,0 +1,68 @@
+"""What keeps a candidate from the robots."""
+
+import pytest
+
+from services.learner.aggregate import Ground, Label
+from services.learner.gate import Candidate, Figures, GateSettings, LabelGate, split
+from tests.unit.learner.test_learner_store import REF
+
+
+def candidate(
+    before: float | None = 0.5, after: float | None = 0.5, held_out: int = 40, finite: bool = True
+) -> Candidate:
+    figures = Figures(
+        labels=90,
+        labels_sha256="0" * 64,
+        held_out=held_out,
+        before=before,
+        after=after,
+        loss=1.0,
+        finite=finite,
+        seconds=1.0,
+    )
+    return Candidate(tensors=(REF,), bank=("wait",), settings={}, figures=figures)
+
+
+GATE = LabelGate(GateSettings(at_least=20, max_fall=0.05))
+
+
+@pytest.mark.parametrize(
+    ("made", "passed"),
+    [
+        (candidate(), True),
+        (candidate(after=0.451), True),
+        (candidate(after=0.449), False),
+        (candidate(after=0.1, held_out=19), True),
+        (candidate(before=None, after=None, held_out=0), True),
+        (candidate(after=0.9, finite=False), False),
+    ],
+)
+def test_a_candidate_passes_unless_it_broke_or_agrees_less(made: Candidate, passed: bool) -> None:
+    verdict = GATE.judge(made)
+    assert verdict.passed is passed
+    assert bool(verdict.reason) is not passed
+
+
+def test_a_refusal_tells_both_figures() -> None:
+    assert "0.100 of 40" in GATE.judge(candidate(after=0.1)).reason
+
+
+def labels(episodes: int) -> list[Label]:
+    return [
+        Label(f"e-{e}-{step}", f"e-{e}", "wait", 1.0, Ground.HELD, "c")
+        for e in range(episodes)
+        for step in range(3)
+    ]
+
+
+def test_held_out_labels_are_whole_episodes_and_stay_the_same_ones() -> None:
+    few_kept, few_out = split(labels(100), 0.2)
+    many_kept, many_out = split(labels(200), 0.2)
+    assert {label.episode for label in few_kept}.isdisjoint(label.episode for label in few_out)
+    assert 30 <= len(few_out) <= 90
+    assert set(few_out) <= set(many_out)
+    assert set(few_kept) <= set(many_kept)
+
+
+def test_a_share_of_nothing_holds_nothing_out() -> None:
+    assert split(labels(10), 0.0) == (labels(10), [])

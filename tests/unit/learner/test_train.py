@@ -1,0 +1,152 @@
+"""What a round makes of what people said, in the test's own process."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import torch
+
+from services.learner.aggregate import LabelSettings, derive
+from services.learner.build import origin
+from services.learner.config import Recipe
+from services.learner.frozen import FrozenLowLevel
+from services.learner.gate import Candidate
+from services.learner.store.memory import MemoryStore
+from services.learner.store.store import Manifest, Round, RoundState
+from services.learner.store.tensors import TensorFiles, unpack
+from services.learner.train import fine_tune, gather, grow, open_version
+from shared.goals.language.bank import PhraseBank
+from shared.messages.policy import TensorRef
+from shared.policies import examples
+from tests.unit.learner.checkpoints import BANK, Checkpoints, small_checkpoints
+from tests.unit.learner.records import HAM, TOAST, correction, decision, episode, receipt
+
+
+class Workshop:
+    """A store with corrected episodes, and all that a round is made with."""
+
+    def __init__(self, folder: Path, checkpoints: Checkpoints) -> None:
+        self.files, self.store = TensorFiles(folder / "tensors"), MemoryStore()
+        self.demonstrations = examples.load(checkpoints.demonstrations)
+        self.low_sha256 = FrozenLowLevel(checkpoints.low_level).sha256
+        made = origin(checkpoints.high_level, self.files, self.low_sha256, 1)
+        self.base = made.model_copy(update={"epoch": self.store.take_over("learner", 1)})
+        self.store.found(self.base)
+
+    def happens(self, name: str, text: str) -> None:
+        """An episode in which somebody said `text` at its second decision."""
+        self.store.add(decision(name, 0), 1)
+        self.store.add(decision(name, 40, previous=("wait",)), 1)
+        said = correction(f"{name}-c", text, episode=name, decision=f"{name}-40", hold_steps=5)
+        self.store.add(said, 1)
+        self.store.add(receipt(said.id, 40, episode=name), 1)
+        done = episode(name, decisions=2, corrections=1)
+        self.store.add(done.model_copy(update={"low_level_sha256": self.low_sha256}), 1)
+
+    def round(self, seed: int = 1, parent: int = 0, **train: Any) -> Round:
+        recipe = Recipe.model_validate({"train": {"steps": 4, "batch": 4, **train}})
+        manifest = Manifest(
+            marks=self.store.survey(Manifest()).marks, settings=recipe.model_dump(mode="json")
+        )
+        return Round(number=1, epoch=1, parent=parent, seed=seed, manifest=manifest, begun_ns=1)
+
+    def train(self, round_: Round) -> Candidate:
+        told: list[float] = []
+        made = fine_tune(round_, self.store, self.files, self.demonstrations, told.append)
+        assert told == sorted(told)
+        assert told[-1] == 1.0
+        return made
+
+
+@pytest.fixture(scope="module")
+def checkpoints(tmp_path_factory: pytest.TempPathFactory) -> Checkpoints:
+    torch.set_num_threads(1)  # More of them only wait for one another on a busy machine.
+    return small_checkpoints(tmp_path_factory.mktemp("checkpoints"))
+
+
+@pytest.fixture
+def workshop(tmp_path: Path, checkpoints: Checkpoints) -> Workshop:
+    return Workshop(tmp_path, checkpoints)
+
+
+def test_the_same_manifest_and_seed_make_the_same_candidate_to_the_bit(workshop: Workshop) -> None:
+    workshop.happens("e-1", HAM)
+    first = workshop.train(workshop.round())
+    workshop.happens("e-2", TOAST)  # Beyond the marks of this manifest.
+    manifest = workshop.round().manifest
+    again = workshop.round().model_copy(
+        update={
+            "manifest": manifest.model_copy(
+                update={"marks": manifest.marks.model_copy(update={"episodes": 1})}
+            )
+        }
+    )
+    second = workshop.train(again)
+    assert second.tensors == first.tensors
+    assert second.figures.labels_sha256 == first.figures.labels_sha256
+    assert workshop.train(workshop.round(seed=2)).tensors != first.tensors
+
+
+def test_every_round_learns_from_the_corrections_of_all_rounds(workshop: Workshop) -> None:
+    workshop.happens("e-1", HAM)
+    assert workshop.train(workshop.round()).figures.labels == 1
+    workshop.happens("e-2", TOAST)
+    assert workshop.train(workshop.round()).figures.labels == 2
+
+
+def test_a_phrase_that_nobody_used_before_joins_the_bank(workshop: Workshop) -> None:
+    workshop.happens("e-1", "Grab the ham!")
+    made = workshop.train(workshop.round())
+    assert made.bank == (*BANK, "grab the ham")
+    record = workshop.base.model_copy(
+        update={"number": 1, "bank": made.bank, "tensors": made.tensors}
+    )
+    assert open_version(record, workshop.files).bank.phrases == made.bank
+
+
+def test_a_label_takes_the_spelling_of_the_bank() -> None:
+    bank, spelling = grow(PhraseBank.of(["Wait.", HAM]), [])
+    assert len(bank) == 2
+    assert spelling == {"wait": "Wait.", HAM: HAM}
+
+
+def test_starting_from_the_base_forgets_what_the_version_in_force_learned(
+    workshop: Workshop,
+) -> None:
+    workshop.happens("e-1", HAM)
+    other = workshop.base.model_copy(update={"number": 1, "tensors": louder(workshop)})
+    ended = workshop.round().model_copy(update={"state": RoundState.PASSED, "made": 1})
+    workshop.store.begin(workshop.round())
+    workshop.store.end(ended, other)
+    from_base = workshop.train(workshop.round(parent=0))
+    assert workshop.train(workshop.round(parent=1, start="base")).tensors == from_base.tensors
+    assert workshop.train(workshop.round(parent=1)).tensors != from_base.tensors
+
+
+def louder(workshop: Workshop) -> tuple[TensorRef, ...]:
+    """The base's tensors, a little larger."""
+    files = workshop.files
+    arrays = {ref.name: unpack(ref, files.get(ref.sha256)) for ref in workshop.base.tensors}
+    return tuple(files.add(name, (a * 1.1).astype(a.dtype)) for name, a in arrays.items())
+
+
+def test_examples_are_exactly_what_the_high_level_saw(workshop: Workshop) -> None:
+    workshop.happens("e-1", HAM)
+    history = workshop.store.history(workshop.round().manifest)
+    labels = derive(history, LabelSettings(), workshop.low_sha256)
+    made = gather(labels, {HAM: HAM}, workshop.store)
+    seen = decision("e-1", 40, previous=("wait",))
+    assert np.array_equal(made.images[0], seen.arrays["images"])
+    assert (made.prompts, made.previous) == ([seen.prompt], [("wait",)])
+    assert (made.labels, list(made.weights)) == ([HAM], [1.0])
+
+
+def test_held_out_episodes_are_judged_and_not_learned_from(workshop: Workshop) -> None:
+    for number in range(40):
+        workshop.happens(f"e-{number}", HAM)
+    figures = workshop.train(workshop.round()).figures
+    assert figures.labels + figures.held_out == 40
+    assert figures.held_out > 0
+    assert figures.before is not None
+    assert figures.after is not None
