@@ -34,7 +34,7 @@ class Style:
 
 STYLES = {
     "policy": Style(oversample=2, samples=0, shadow_pixels=0, slices=12, detail=False),
-    "live": Style(oversample=2, samples=0, shadow_pixels=0, slices=20, detail=True),
+    "live": Style(oversample=1, samples=0, shadow_pixels=0, slices=20, detail=True),
     "portrait": Style(oversample=1, samples=4, shadow_pixels=2048, slices=28, detail=True),
 }
 

@@ -117,6 +117,10 @@ class Cell:
             held=self._held(),
         )
 
+    def snapshot(self) -> np.ndarray:
+        """All joint positions (qpos): what a `Studio` needs to draw this moment elsewhere."""
+        return np.array(self._data.qpos)
+
     def render(self, camera: str, height: int, width: int, style: str = "policy") -> np.ndarray:
         """A picture from camera top or angle, [height, width, 3] uint8, in a style of `STYLES`."""
         key = (width, height, style)

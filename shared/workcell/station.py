@@ -7,6 +7,7 @@ import numpy as np
 from shared.rollout.robot import Scene, Senses
 from shared.workcell.env import WorkcellEnv, objects, proprioception
 from shared.workcell.site import Site
+from shared.workcell.studio import Studio
 
 
 class Station:
@@ -16,6 +17,7 @@ class Station:
 
     def __init__(self, site: Site | str) -> None:
         self._env = WorkcellEnv(site, max_steps=1 << 30)
+        self._studio: Studio | None = None
 
     def reset(self, seed: int, task: str, prompt: str | None) -> Scene:
         """See `Robot.reset`.
@@ -34,8 +36,13 @@ class Station:
     def look(self) -> np.ndarray:
         return self._env.images()
 
-    def picture(self, camera: str, width: int, height: int) -> np.ndarray:
-        return self._env.picture(camera, width, height)
+    def snapshot(self) -> np.ndarray:
+        return self._env.cell.snapshot()
+
+    def picture(self, snapshot: np.ndarray, camera: str, width: int, height: int) -> np.ndarray:
+        if self._studio is None:
+            self._studio = Studio(self._env.cell.site)
+        return self._studio.picture(snapshot, camera, width, height)
 
     def truth(self) -> dict[str, Any]:
         return self._env.state.to_json()

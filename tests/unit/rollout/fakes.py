@@ -35,8 +35,11 @@ class CountingRobot:
     def look(self) -> np.ndarray:
         return np.zeros((2, 64, 64, 3), np.uint8)
 
-    def picture(self, camera: str, width: int, height: int) -> np.ndarray:
-        del camera
+    def snapshot(self) -> int:
+        return len(self.actions)
+
+    def picture(self, snapshot: int, camera: str, width: int, height: int) -> np.ndarray:
+        del snapshot, camera
         return np.zeros((height, width, 3), np.uint8)
 
     def truth(self) -> dict[str, object]:

@@ -159,6 +159,27 @@ def test_a_supervised_correction_takes_effect_after_the_persons_delay():
     assert [int(action[0]) for action in robot.actions] == [4, 4, 4, 9, 9, 9]
 
 
+def test_an_override_that_expires_does_not_take_the_coming_one_with_it():
+    robot = CountingRobot()
+    decisions: list[Decision] = []
+    rollout = rollout_of(
+        "left", robot=robot, decisions=decisions, supervised=True, decision_steps=10
+    )
+    rollout.advance()
+    first = said(Kind.OVERRIDE, "up", decision=decisions[0].id, hold_steps=12)
+    rollout.correct(first)
+    advance(rollout, 10)
+    rollout.advance()
+    second = said(Kind.OVERRIDE, "rightward", decision=decisions[1].id, delay_steps=5)
+    assert rollout.correct(second).step == 15
+    advance(rollout, 2)  # Steps 10 and 11; the first override ends before step 12.
+    rollout.advance()
+    rollout.correct(said(Kind.PASS, decision=decisions[2].id))
+    advance(rollout, 6)
+    lengths = [int(action[0]) for action in robot.actions]
+    assert lengths == [2] * 12 + [4] * 3 + [9] * 3
+
+
 def test_an_answer_that_comes_late_is_in_force_late_but_says_what_was_seen():
     robot = CountingRobot()
     decisions: list[Decision] = []

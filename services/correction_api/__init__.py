@@ -1,0 +1,1 @@
+"""People on the bus: shows the robots, takes words, and owns the log of what people said."""

@@ -1,0 +1,176 @@
+"""Accept: the path of a correction from a person's words to the robot's receipt.
+
+Said, checked, committed to disk (with its parcel to the learner), acknowledged; then the
+messenger asks the robot, and the receipt closes it. Nothing is acknowledged before the commit.
+"""
+
+import asyncio
+from collections.abc import Callable
+
+from services.correction_api.deliver import Messenger
+from services.correction_api.metrics import Metrics
+from services.correction_api.problems import Problem, unavailable
+from services.correction_api.store.episodes import Episodes
+from services.correction_api.store.log import Entry, Log, Status
+from services.correction_api.utterance import Utterance
+from services.correction_api.views import Presence
+from services.correction_api.watch import Sight, Watch
+from shared.clock import Clock
+from shared.errors import nearest
+from shared.messages.correction import Correction
+from shared.messages.message import new_id
+
+
+class Desk:
+    """Where words are handed in."""
+
+    def __init__(
+        self,
+        watch: Watch,
+        kept: Log,
+        episodes: Episodes,
+        clock: Clock,
+        metrics: Metrics,
+        answer_s: float,
+        settle_s: float,
+    ) -> None:
+        self._watch, self._log, self._episodes, self._clock = watch, kept, episodes, clock
+        self._metrics, self._answer_s = metrics, answer_s
+        self._settled_ns = clock.monotonic_ns() + int(settle_s * 1e9)
+        self._waiting: dict[str, asyncio.Future[Entry]] = {}
+        self._messenger: Messenger | None = None
+        self._spoken: Callable[[Entry], None] = _unheard
+
+    def start(self, messenger: Messenger, spoken: Callable[[Entry], None]) -> None:
+        """Take up what has no receipt yet from before a restart.
+
+        spoken: told of every correction that is kept or closed, on the event loop.
+        """
+        self._messenger, self._spoken = messenger, spoken
+        pending = self._log.pending()
+        for entry in pending:
+            self._waiting[entry.correction.id] = asyncio.get_running_loop().create_future()
+        messenger.send(pending)
+
+    async def accept(self, robot: str, said: Utterance, name: str | None) -> Entry:
+        """Keep what was said and see what becomes of it, for `answer_s` at the longest.
+
+        name: the client's own id, which makes it safe to send the same again.
+
+        Raises:
+            Problem: unknown robot, an episode that is over, or an id that was used otherwise.
+            StoreError: it could not be kept.
+        """
+        digest = said.digest(robot)
+        if name and (entry := await asyncio.to_thread(self._log.find, name)):
+            return await self._outcome(_same(entry, digest), self._answer_s)
+        sight = self.find(robot)
+        episode, seen_step = await self._place(robot, said, sight)
+        now_ns = self._clock.now_ns()
+        correction = said.formulate(name or new_id("say"), robot, episode, seen_step, now_ns)
+        entry = await self._keep(correction, digest)
+        offline = self._watch.presence(sight.heard_ns)[0] is Presence.OFFLINE
+        return await self._outcome(_same(entry, digest), 0 if offline else self._answer_s)
+
+    def find(self, robot: str) -> Sight:
+        """What is known of a robot now.
+
+        Raises:
+            Problem: no robot has this id, or none has spoken yet since this service started.
+        """
+        try:
+            return self._watch.look(robot)
+        except KeyError:
+            pass
+        names = self._watch.names()
+        if self._clock.monotonic_ns() < self._settled_ns:
+            detail = f"robot {robot!r} has not spoken yet since this service started"
+            raise unavailable("starting", "Not heard of yet", detail)
+        hint = nearest(robot, names) or "; no robot has been heard of yet"
+        raise Problem(404, "unknown-robot", "No robot has this id", f"no robot {robot!r}{hint}")
+
+    def close(self, entry: Entry) -> None:
+        """A receipt came, or the time ran out: tell those who wait."""
+        self._metrics.closed.labels(entry.status).inc()
+        if entry.receipt:
+            waited_ns = self._clock.now_ns() - entry.correction.created_ns
+            self._metrics.latency.observe(waited_ns / 1e9)
+            self._watch.obeyed(entry.correction, entry.receipt)
+        waiting = self._waiting.pop(entry.correction.id, None)
+        if waiting and not waiting.done():
+            waiting.set_result(entry)
+        self._spoken(entry)
+
+    async def _place(self, robot: str, said: Utterance, sight: Sight) -> tuple[str, int | None]:
+        """The episode that it is about, and the step that was seen."""
+        decision = self._watch.decided(robot, said.decision) if said.decision else None
+        episode = said.episode or (decision.episode if decision else sight.episode)
+        if episode is None:
+            detail = f"{robot} is between two episodes; wait until the next one has begun"
+            raise Problem(
+                409, "no-episode", "No episode is running", detail, current=current(sight)
+            )
+        over = self._watch.ended(robot, episode)
+        if over or await asyncio.to_thread(self._episodes.ended, episode):
+            now = f"the current one is {sight.episode}" if sight.episode else "no other has begun"
+            detail = f"episode {episode} of {robot} is over; {now}"
+            raise Problem(
+                409, "episode-over", "The episode is over", detail, current=current(sight)
+            )
+        return episode, decision.step if decision else None
+
+    async def _keep(self, correction: Correction, digest: str) -> Entry:
+        """Commit, then send; another one with the same id that came first is left as it is."""
+        name = correction.id
+        self._waiting.setdefault(name, asyncio.get_running_loop().create_future())
+        try:
+            entry = await asyncio.wrap_future(self._log.append(correction, digest))
+        except BaseException:
+            self._waiting.pop(name, None)
+            raise
+        if entry.status is not Status.PENDING:
+            self._waiting.pop(name, None)
+        if entry.correction is correction:
+            assert self._messenger is not None  # `start` is called before anybody is let in.
+            self._metrics.corrections.labels(correction.kind).inc()
+            self._spoken(entry)
+            self._messenger.send([entry])
+        return entry
+
+    async def _outcome(self, entry: Entry, timeout_s: float) -> Entry:
+        """The entry once it is closed, or as it is when the time is out."""
+        if entry.status is not Status.PENDING:
+            return entry
+        if waiting := self._waiting.get(entry.correction.id):
+            try:
+                async with asyncio.timeout(timeout_s):
+                    return await asyncio.shield(waiting)
+            except TimeoutError:
+                return entry
+        return entry
+
+
+def current(sight: Sight) -> dict[str, str | int | None]:
+    """What a robot is about now, for an answer that says no."""
+    return {
+        "episode": sight.episode,
+        "step": sight.heartbeat.step,
+        "command": sight.force.text if sight.force else None,
+        "decision": sight.decision.id if sight.decision else None,
+    }
+
+
+def _unheard(entry: Entry) -> None:
+    del entry  # Nobody listens before `start`.
+
+
+def _same(entry: Entry, digest: str) -> Entry:
+    if entry.digest != digest:
+        raise Problem(
+            409,
+            "id-used",
+            "The id was used for something else",
+            f"{entry.correction.id!r} named a different correction before; "
+            "send the same one again, or take a new id",
+        )
+    return entry

@@ -1,0 +1,97 @@
+"""Settings of the correction API."""
+
+import ipaddress
+from pathlib import Path
+from typing import Annotated, Self
+
+from pydantic import Field, SecretStr, model_validator
+
+from shared.config import Settings
+from shared.messages.message import MAX_TEXT, Id
+from shared.wire.bus import BusSettings
+
+PREFIX = r"^(/[A-Za-z0-9._~-]+)*$"
+
+
+class WatchSettings(Settings):
+    """When a robot that says nothing counts as stale, and then as offline.
+
+    settle_s: after a start, an unknown robot may only not have spoken yet.
+    """
+
+    stale_s: Annotated[float, Field(gt=0)] = 2.0
+    offline_s: Annotated[float, Field(gt=0)] = 6.0
+    settle_s: Annotated[float, Field(ge=0)] = 2.0
+
+
+class DeliverySettings(Settings):
+    """How a correction gets to its robot.
+
+    ask_s: how long one attempt waits for the receipt; retry_s, retry_max_s: the pause between
+        two attempts, which doubles. expire_s: after this nobody obeys it any more.
+    answer_s: how long a client waits for the receipt before the answer is "pending".
+    asking: attempts that may be under way at once, over all robots.
+    """
+
+    ask_s: Annotated[float, Field(gt=0, le=60)] = 2.0
+    retry_s: Annotated[float, Field(gt=0)] = 0.1
+    retry_max_s: Annotated[float, Field(gt=0)] = 2.0
+    expire_s: Annotated[float, Field(gt=0)] = 120.0
+    answer_s: Annotated[float, Field(ge=0, le=30)] = 2.0
+    asking: Annotated[int, Field(ge=1, le=256)] = 32
+
+
+class ApiSettings(Settings):
+    """One correction API.
+
+    id: its name on the bus. host, port: where it listens; port 0 takes a free one.
+    prefix: path below which a reverse proxy offers it, such as "/robots".
+    hosts: further host names under which a browser may reach it (a proxy's, for example).
+    token: what a client must send as `Authorization: Bearer …`.
+    tls_certificate, tls_key: PEM files. Beyond this machine both a token and TLS are needed.
+    text_characters: length of the longest command.
+    """
+
+    id: Id = "api"
+    host: str = "127.0.0.1"
+    port: Annotated[int, Field(ge=0, le=65_535)] = 8000
+    prefix: Annotated[str, Field(pattern=PREFIX)] = ""
+    hosts: tuple[str, ...] = ()
+    token: Annotated[SecretStr, Field(min_length=16)] | None = None
+    tls_certificate: Path | None = None
+    tls_key: Path | None = None
+    database: Path = Path("runs/correction_api.sqlite")
+    text_characters: Annotated[int, Field(ge=1, le=MAX_TEXT)] = MAX_TEXT
+    watch: WatchSettings = WatchSettings()
+    delivery: DeliverySettings = DeliverySettings()
+    bus: BusSettings = BusSettings()
+    log_level: str = "info"
+
+    @property
+    def secure(self) -> bool:
+        """It speaks TLS."""
+        return self.tls_certificate is not None
+
+    @property
+    def loopback(self) -> bool:
+        """Only this machine can reach it."""
+        return is_loopback(self.host)
+
+    @model_validator(mode="after")
+    def _check_exposure(self) -> Self:
+        if (self.tls_certificate is None) != (self.tls_key is None):
+            raise ValueError("tls_certificate and tls_key belong together: give both or none")
+        if not self.loopback and not (self.token and self.secure):
+            raise ValueError(
+                f"host {self.host} can be reached from other machines: set token, "
+                "tls_certificate and tls_key as well, or listen on 127.0.0.1"
+            )
+        return self
+
+
+def is_loopback(host: str) -> bool:
+    """Whether `host` is this machine and nothing else."""
+    try:
+        return host == "localhost" or ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return False

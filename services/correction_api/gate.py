@@ -1,0 +1,139 @@
+"""The gate: what every request passes before any route sees it.
+
+A page of somebody else's must not be able to command a robot: neither by a form, nor by a
+WebSocket, nor by a host name of its own that it points at 127.0.0.1.
+"""
+
+import hmac
+from collections.abc import Iterable
+from urllib.parse import urlsplit
+
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from services.correction_api.config import ApiSettings, is_loopback
+from services.correction_api.problems import Problem
+
+MAX_BODY_BYTES = 64 * 1024
+SAFE = ("GET", "HEAD", "OPTIONS")
+OPEN = ("/healthz", "/readyz")
+POLICY = (
+    "default-src 'self'; img-src 'self' blob: data:; object-src 'none'; base-uri 'none'; "
+    "form-action 'none'; frame-ancestors 'none'"
+)
+HEADERS = {
+    "Content-Security-Policy": POLICY,
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+}
+
+
+class Gate:
+    """ASGI middleware: place, host, origin, token and size of a request; headers of its answer."""
+
+    def __init__(self, app: ASGIApp, settings: ApiSettings) -> None:
+        self._app, self._settings = app, settings
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] not in ("http", "websocket"):
+            await self._app(scope, receive, send)
+            return
+        scope = self._placed(scope)
+        try:
+            self._check(scope)
+        except Problem as problem:
+            await problem.response(scope["path"])(scope, receive, _marked(send))
+            return
+        await self._app(scope, _limited(receive), _marked(send))
+
+    def _placed(self, scope: Scope) -> Scope:
+        """The scope below the path prefix, whether a proxy took it off or left it."""
+        prefix, path = self._settings.prefix, scope["path"]
+        if prefix and not path.startswith(f"{prefix}/"):
+            path = prefix + path
+        return {**scope, "root_path": prefix, "path": path}
+
+    def _check(self, scope: Scope) -> None:
+        headers = Headers(scope=scope)
+        self._check_host(headers)
+        if scope["type"] == "websocket" or scope["method"] not in SAFE:
+            self._check_origin(headers)
+        self._check_token(scope, headers)
+        length = headers.get("content-length", "0")
+        if not length.isdecimal() or int(length) > MAX_BODY_BYTES:
+            raise _too_large()
+
+    def _check_host(self, headers: Headers) -> None:
+        """Without a token, the name by which it is called must be this machine's."""
+        host = urlsplit(f"//{headers.get('host', '')}").hostname or ""
+        if self._settings.token or is_loopback(host) or host in self._settings.hosts:
+            return
+        detail = f"{host!r} is no name of this service; use 127.0.0.1, or add it to `hosts`"
+        raise Problem(403, "host", "Not under this name", detail)
+
+    def _check_origin(self, headers: Headers) -> None:
+        origin = headers.get("origin")
+        if origin is None:
+            return  # No browser.
+        parts = urlsplit(origin)
+        if parts.netloc == headers.get("host") or parts.hostname in self._settings.hosts:
+            return
+        detail = f"a page from {origin} may not do this; open the page of this service"
+        raise Problem(403, "origin", "Another origin", detail)
+
+    def _check_token(self, scope: Scope, headers: Headers) -> None:
+        token = self._settings.token
+        path = scope["path"].removeprefix(self._settings.prefix)
+        if token is None or not _guarded(path):
+            return
+        given = _tokens(headers, scope.get("subprotocols", ()))
+        if not any(hmac.compare_digest(given_one, token.get_secret_value()) for given_one in given):
+            raise Problem(
+                401,
+                "token",
+                "A token is needed",
+                "send the header `Authorization: Bearer TOKEN` with the token of this service",
+                headers={"WWW-Authenticate": "Bearer"},
+            )
+
+
+def _guarded(path: str) -> bool:
+    inner = path.removeprefix("/api/v1")
+    return inner not in OPEN and (inner != path or inner == "/metrics")
+
+
+def _tokens(headers: Headers, subprotocols: Iterable[str]) -> list[str]:
+    """The tokens that were sent: by header, or as a subprotocol where a page can't set headers."""
+    scheme, _, token = headers.get("authorization", "").partition(" ")
+    found = [name.removeprefix("token.") for name in subprotocols if name.startswith("token.")]
+    return [*found, token] if scheme.lower() == "bearer" else found
+
+
+def _limited(receive: Receive) -> Receive:
+    """Count a body that did not say how long it is."""
+    taken = 0
+
+    async def limited() -> Message:
+        nonlocal taken
+        message = await receive()
+        if message["type"] == "http.request":
+            taken += len(message.get("body", b""))
+            if taken > MAX_BODY_BYTES:
+                raise _too_large()
+        return message
+
+    return limited
+
+
+def _marked(send: Send) -> Send:
+    async def marked(message: Message) -> None:
+        if message["type"] in ("http.response.start", "websocket.http.response.start"):
+            MutableHeaders(scope=message).update(HEADERS)
+        await send(message)
+
+    return marked
+
+
+def _too_large() -> Problem:
+    detail = f"at most {MAX_BODY_BYTES} bytes; a command has at most 200 characters"
+    return Problem(413, "too-large", "The body is too large", detail)

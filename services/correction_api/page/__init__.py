@@ -1,0 +1,1 @@
+"""The web page: plain files, no build step; served by `routes/page.py`."""

@@ -1,0 +1,121 @@
+"""Show: what is known, put as people and programs read it."""
+
+import json
+from collections.abc import Callable
+from typing import Any
+
+from pydantic import BaseModel
+
+from services.correction_api.parts import Parts
+from services.correction_api.phrases import look_up
+from services.correction_api.store.log import Entry
+from services.correction_api.views import (
+    CorrectionView,
+    DecisionBrief,
+    LearnerView,
+    PolicyView,
+    RobotView,
+)
+from services.correction_api.watch import Force, Sight
+from shared.messages.decision import Decision
+from shared.messages.goal import LanguageGoal
+from shared.messages.policy import Version
+
+SHOWN = {
+    *("robot", "actor", "state", "task", "prompt", "site", "number", "step"),
+    *("version", "supervised", "real_time", "pending"),
+}
+
+
+def show_robot(parts: Parts, name: str) -> RobotView:
+    """One robot now.
+
+    Raises:
+        KeyError: no robot has this name.
+    """
+    sight = parts.watch.look(name)
+    presence, age_s = parts.watch.presence(sight.heard_ns)
+    force = sight.force if sight.episode else None
+    return RobotView(
+        **sight.heartbeat.model_dump(include=SHOWN),
+        episode=sight.episode,
+        presence=presence,
+        age_s=round(age_s, 2),
+        command=LanguageGoal(text=force.text) if force else None,
+        by=_chooser(force) if force else None,
+        chosen_by=force.chosen_by if force else None,
+        author=parts.authors.get(force.chosen_by) if force else None,
+        decision=_brief(sight),
+    )
+
+
+def show_decision(decision: Decision) -> dict[str, Any]:
+    """A decision for the page: all but what only a scripted person may know."""
+    return decision.model_dump(mode="json", exclude={"truth"})
+
+
+def show_correction(parts: Parts, entry: Entry) -> CorrectionView:
+    """A correction, with what the newest policy knows of its command."""
+    goal = entry.correction.goal
+    phrase = look_up(goal.text, known_phrases(parts, entry.correction.robot)) if goal else None
+    return CorrectionView.of(entry, phrase)
+
+
+def show_learner(parts: Parts) -> LearnerView:
+    """The learner now."""
+    heartbeat, presence, age_s = parts.watch.learner_now()
+    policy = parts.watch.announcement
+    return LearnerView(
+        **(heartbeat.model_dump() if heartbeat else {}),
+        presence=presence,
+        outbox=len(parts.parcels),
+        age_s=round(age_s, 2) if heartbeat else None,
+        policy=PolicyView.model_validate(policy, from_attributes=True) if policy else None,
+    )
+
+
+def known_phrases(parts: Parts, robot: str) -> tuple[str, ...]:
+    """The commands of the newest policy, or else those that the robot's policy considered."""
+    if policy := parts.watch.announcement:
+        return policy.bank
+    try:
+        decision = parts.watch.look(robot).decision
+    except KeyError:  # A robot of the history, not heard of since this service started.
+        return ()
+    return tuple(proposal.goal.text for proposal in decision.proposed) if decision else ()
+
+
+def event(kind: str, content: Callable[[], BaseModel | dict[str, Any]]) -> Callable[[], str]:
+    """A message for open pages, built when it is sent: {"type": kind, kind: content}."""
+
+    def render() -> str:
+        shown = content()
+        model = (
+            shown.model_dump(mode="json", exclude_none=kind == "learner")
+            if isinstance(shown, BaseModel)
+            else shown
+        )
+        return json.dumps({"type": kind, kind: model})
+
+    return render
+
+
+def _chooser(force: Force) -> str:
+    try:
+        Version.parse(force.chosen_by)
+    except ValueError:
+        return "person"
+    return "policy"
+
+
+def _brief(sight: Sight) -> DecisionBrief | None:
+    decision = sight.decision
+    if decision is None or decision.episode != sight.episode:
+        return None
+    return DecisionBrief(
+        id=decision.id,
+        index=decision.index,
+        step=decision.step,
+        proposed=decision.proposed,
+        awaits_verdict=decision.awaits_verdict,
+    )

@@ -1,0 +1,1 @@
+"""Alembic's folder: how one shape of the log becomes the next."""

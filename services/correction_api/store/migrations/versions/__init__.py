@@ -1,0 +1,1 @@
+"""The shapes of the log, from the first to the newest."""

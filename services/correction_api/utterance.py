@@ -1,0 +1,117 @@
+"""What a client says: the body of a correction, checked before anything is kept."""
+
+import hashlib
+import unicodedata
+from typing import Annotated, Self
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, JsonValue, model_validator
+
+from shared.messages.correction import Correction, Kind
+from shared.messages.goal import LanguageGoal
+from shared.messages.message import MAX_TEXT, Id
+
+MAX_NS = 2**63 - 1
+MAX_STEP = 2**31 - 1
+JOINERS = "\u200c\u200d"  # Some scripts can't be written without them.
+FORBIDDEN = {"Cc", "Cf", "Cs", "Zl", "Zp"}
+
+
+def check_words(text: str) -> str:
+    """The words without spaces around them.
+
+    Raises:
+        ValueError: nothing is left, it is too long, or a character can't be seen by a reader.
+    """
+    text = unicodedata.normalize("NFC", text.strip())
+    if not text:
+        raise ValueError("say what the robot shall do, such as 'pick up the cheese'; it was empty")
+    if len(text) > MAX_TEXT:
+        raise ValueError(f"{len(text)} characters are too many; at most {MAX_TEXT}")
+    for place, letter in enumerate(text):
+        if unicodedata.category(letter) in FORBIDDEN and letter not in JOINERS:
+            raise ValueError(
+                f"U+{ord(letter):04X} at character {place} is a control character; "
+                "use letters, digits, spaces and punctuation, all in one line"
+            )
+    return text
+
+
+Words = Annotated[str, AfterValidator(check_words)]
+Count = Annotated[int, Field(ge=0, le=MAX_STEP)]
+Nanoseconds = Annotated[int, Field(ge=0, le=MAX_NS)]
+
+EXAMPLES: list[JsonValue] = [
+    {"kind": "override", "text": "pick up the cheese", "author": "anna"},
+    {"kind": "override", "text": "wait", "hold_steps": 100, "author": "anna"},
+    {"kind": "release", "author": "anna"},
+    {"kind": "approve", "decision": "ep-5f1c-3", "author": "anna"},
+]
+
+
+class Utterance(BaseModel):
+    """What somebody says about a robot. Only `kind` is always needed.
+
+    kind: override (obey `text` instead), release (lift the override), approve (the command of
+        `decision` was right), pass (seen, nothing to say), pause, resume.
+    text: the command in words of your own; up to 200 characters in one line.
+    hold_steps: control steps (50 a second) until an override expires; null holds until released.
+    decision: the decision that you looked at; approve and pass need it.
+    episode: the episode that it is about; that of the decision, or else the current one.
+    seen_step: the control step that you saw; that of the decision if it is not given.
+    begun_ns: when you began to speak, in ns since 1970; now if it is not given.
+    delay_steps: in supervised lockstep, the steps until it takes effect.
+    id: a name of your own, so that it can be sent again without being said twice; the header
+        `Idempotency-Key` does the same.
+    """
+
+    model_config = ConfigDict(
+        frozen=True, extra="forbid", json_schema_extra={"examples": [*EXAMPLES]}
+    )
+
+    kind: Kind
+    text: Words | None = None
+    hold_steps: Annotated[int, Field(ge=1, le=100_000)] | None = None
+    decision: Id | None = None
+    episode: Id | None = None
+    seen_step: Count | None = None
+    begun_ns: Nanoseconds | None = None
+    author: Id = "person"
+    delay_steps: Annotated[int, Field(ge=0, le=10_000)] = 0
+    id: Id | None = None
+    note: Words | None = None
+
+    @model_validator(mode="after")
+    def _check_kind(self) -> Self:
+        override = self.kind is Kind.OVERRIDE
+        if override and self.text is None:
+            raise ValueError("an override needs text: the command, such as 'pick up the cheese'")
+        if not override and (self.text is not None or self.hold_steps is not None):
+            raise ValueError(f"only an override has text and hold_steps, {self.kind} has neither")
+        if self.kind in (Kind.APPROVE, Kind.PASS) and self.decision is None:
+            raise ValueError(f"{self.kind} needs decision: the id of the decision that you saw")
+        return self
+
+    def digest(self, robot: str) -> str:
+        """A hash of what was said and about whom: equal for the same request sent again."""
+        said = self.model_dump_json(exclude={"id"})
+        return hashlib.sha256(f"{robot}\n{said}".encode()).hexdigest()
+
+    def formulate(
+        self, name: str, robot: str, episode: str, seen_step: int | None, now_ns: int
+    ) -> Correction:
+        """The correction that it is, said about `robot` in `episode`."""
+        return Correction(
+            id=name,
+            robot=robot,
+            episode=episode,
+            kind=self.kind,
+            author=self.author,
+            goal=LanguageGoal(text=self.text) if self.text else None,
+            decision=self.decision,
+            seen_step=self.seen_step if self.seen_step is not None else seen_step,
+            hold_steps=self.hold_steps,
+            delay_steps=self.delay_steps,
+            begun_ns=self.begun_ns if self.begun_ns is not None else now_ns,
+            created_ns=now_ns,
+            note=self.note,
+        )

@@ -1,0 +1,174 @@
+"""What people and programs read over HTTP; messages go out under their own names and fields."""
+
+from enum import StrEnum
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from services.correction_api.store.log import Entry, Status
+from shared.messages.correction import Correction
+from shared.messages.decision import Proposal
+from shared.messages.episode import Episode
+from shared.messages.goal import Goal
+from shared.messages.heartbeat import LearnerState, RobotState
+from shared.messages.message import Id
+from shared.messages.observation import CAMERAS
+from shared.messages.policy import Version
+from shared.messages.receipt import Receipt
+
+
+class View(BaseModel):
+    """Base of what is shown."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Presence(StrEnum):
+    """How fresh the last sign of life is; `unseen` means that there never was one."""
+
+    ONLINE = "online"
+    STALE = "stale"
+    OFFLINE = "offline"
+    UNSEEN = "unseen"
+
+
+class DecisionBrief(View):
+    """The newest decision, as far as a person needs it to correct it."""
+
+    id: Annotated[str, Field(examples=["ep-5f1c-3"])]
+    index: int
+    step: int
+    proposed: tuple[Proposal, ...]
+    awaits_verdict: bool
+
+
+class RobotView(View):
+    """One robot now.
+
+    presence: by the age of its last heartbeat, age_s. state: what it said it was doing.
+    task, prompt, site, episode: null between two episodes.
+    command: the one in force; by: the policy or a person; chosen_by: the policy version, or the
+        id of that person's correction; author: who it was, if that is still known.
+    pending: records that its actor still keeps for the learner.
+    """
+
+    robot: Annotated[Id, Field(examples=["robot-1"])]
+    actor: Annotated[Id, Field(examples=["actor-1"])]
+    presence: Presence
+    age_s: Annotated[float, Field(examples=[0.2])]
+    state: RobotState
+    task: Annotated[str | None, Field(examples=["sandwich"])]
+    prompt: Annotated[str | None, Field(examples=["make a sandwich with cheese and tomato"])]
+    site: Annotated[str | None, Field(examples=["workshop"])]
+    episode: Annotated[Id | None, Field(examples=["ep-5f1c"])]
+    number: int
+    step: int
+    command: Goal | None
+    by: Annotated[str | None, Field(pattern="^(policy|person)$", examples=["policy"])]
+    chosen_by: Annotated[str | None, Field(examples=["1.0"])]
+    author: Annotated[str | None, Field(examples=[None])]
+    decision: DecisionBrief | None
+    version: Version
+    supervised: bool
+    real_time: bool
+    pending: int
+    cameras: tuple[str, ...] = CAMERAS
+
+
+class Phrase(View):
+    """Whether the newest policy knows a command. An unknown one is obeyed, too, and is learned.
+
+    nearest: the commands that it knows and that are spelt most alike.
+    """
+
+    known: bool
+    nearest: tuple[str, ...] = ()
+
+
+class CorrectionView(View):
+    """A correction, what became of it, and where it stands in the log.
+
+    status: `expired` means that no robot answered in time. reason: why it is not in force.
+    """
+
+    correction: Correction
+    status: Status
+    receipt: Receipt | None = None
+    reason: str = ""
+    sequence: int
+    phrase: Phrase | None = None
+
+    @classmethod
+    def of(cls, entry: Entry, phrase: Phrase | None = None) -> "CorrectionView":
+        """What is shown of a log entry."""
+        return cls(
+            correction=entry.correction,
+            status=entry.status,
+            receipt=entry.receipt,
+            reason=entry.reason,
+            sequence=entry.sequence,
+            phrase=phrase,
+        )
+
+
+class Robots(View):
+    """The robots that ever gave a sign of life, by name."""
+
+    robots: list[RobotView]
+
+
+class CorrectionPage(View):
+    """Corrections, the newest first; `next` is the cursor of the page after this one."""
+
+    corrections: list[CorrectionView]
+    next: Annotated[str | None, Field(examples=[None])] = None
+
+
+class TallyView(View):
+    """How often a policy version succeeded; episodes that were broken off don't count."""
+
+    version: Version
+    episodes: int
+    successes: int
+    corrections: int
+
+
+class EpisodePage(View):
+    """Episodes, the newest first, and the success of each version over all that are known."""
+
+    episodes: list[Episode]
+    tally: list[TallyView]
+    next: Annotated[str | None, Field(examples=[None])] = None
+
+
+class PolicyView(View):
+    """The newest version that a learner announced."""
+
+    version: Version
+    created_ns: int
+    bank: tuple[str, ...]
+    low_level_sha256: str
+
+
+class LearnerView(View):
+    """The learner now: its last heartbeat (as in `LearnerHeartbeat`), and more.
+
+    What is not known is left out: before a learner was heard of that is everything but presence
+    and outbox. outbox: corrections and receipts that it does not have yet.
+    """
+
+    presence: Presence
+    outbox: int
+    age_s: float | None = None
+    learner: Id | None = None
+    time_ns: int | None = None
+    state: LearnerState | None = None
+    version: Version | None = None
+    round: int | None = None
+    episodes: int | None = None
+    successes: int | None = None
+    corrections: int | None = None
+    decisions: int | None = None
+    reason: str | None = None
+    progress: float | None = None
+    policy: PolicyView | None = None

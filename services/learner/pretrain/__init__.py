@@ -1,0 +1,1 @@
+"""Makes the demonstrations and trains both levels, before the loop begins (`hld pretrain`)."""

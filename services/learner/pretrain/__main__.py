@@ -1,0 +1,83 @@
+"""`hld pretrain`: demonstrations and both levels from nothing, with progress, stop and resume."""
+
+import multiprocessing
+import os
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+from typing import Annotated
+
+import torch
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from services.learner.pretrain.figures import examine
+from services.learner.pretrain.scale import SCALES
+from services.learner.pretrain.stages import Pretraining
+from shared.errors import HldError, nearest
+
+app = typer.Typer(add_completion=False)
+
+
+class Bars:
+    """A bar for each stage."""
+
+    def __init__(self, progress: Progress) -> None:
+        self._progress = progress
+
+    def stage(self, name: str, total: int) -> Callable[[int], None]:
+        """See `stages.Reporter`."""
+        task = self._progress.add_task(name, total=total)
+        return lambda done: self._progress.update(task, completed=done)
+
+
+@app.command()
+def main(
+    out: Annotated[Path, typer.Option(help="Folder of stages and checkpoints; resumed if there.")],
+    scale: Annotated[str, typer.Option(help="small: minutes, to try it; full: hours.")] = "full",
+    seed: Annotated[int, typer.Option(min=0, max=99, help="Of scenes, noise and weights.")] = 0,
+    workers: Annotated[int, typer.Option(min=1, help="Processes that make data.")] = 2,
+) -> None:
+    """Make the demonstrations, train both levels, and write their checkpoints to OUT.
+
+    Ctrl-C stops; the same command goes on with the stage that was under way.
+    """
+    if scale not in SCALES:
+        raise typer.BadParameter(f"no scale {scale!r}{nearest(scale, SCALES)}")
+    console = Console()
+    os.environ["OMP_NUM_THREADS"] = "1"  # The processes share the cores; see also below.
+    torch.set_num_threads(1)
+    out.mkdir(parents=True, exist_ok=True)
+    try:
+        _pretrain(out, scale, seed, workers, console)
+    except KeyboardInterrupt:
+        console.print(f"stopped; the same command goes on in {out}")
+        raise typer.Exit(130) from None
+    except HldError as error:
+        console.print(f"pretrain: {error}", style="red")
+        raise typer.Exit(1) from None
+
+
+def _pretrain(out: Path, scale: str, seed: int, workers: int, console: Console) -> None:
+    columns = TextColumn("{task.description:24}"), BarColumn(), MofNCompleteColumn()
+    spawn = multiprocessing.get_context("spawn")
+    with (
+        Progress(*columns, TimeRemainingColumn(), console=console) as progress,
+        ProcessPoolExecutor(workers, mp_context=spawn) as pool,
+    ):
+        try:
+            run = Pretraining(out, SCALES[scale], seed, pool, Bars(progress))
+            low_level = run.low_level()
+            lessons = run.demonstrations(low_level)
+            high_level = run.high_level(lessons)
+            run.replay(lessons)
+            examine(run, low_level, high_level)
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+    console.print(f"checkpoints: {out}/low_level, {out}/high_level, {out}/demonstrations")
+
+
+if __name__ == "__main__":
+    app()

@@ -1,0 +1,105 @@
+"""Model cards of what is trained here: the recipe in sentences, and what was measured."""
+
+from collections.abc import Sequence
+
+from services.learner.pretrain.scale import SCALES, Scale
+from shared.policies.checkpoint import Card, Figure
+from shared.policies.high_level import BASE_VERSION, HighLevel
+from shared.workcell.skills import COMMANDS
+
+DATE = "2026-11-23"
+
+
+def _command(scale: Scale, seed: int) -> str:
+    name = next((name for name, known in SCALES.items() if known == scale), "custom")
+    return f"hld pretrain --out DIR --scale {name} --seed {seed}"
+
+
+def low_level(scale: Scale, seed: int, data_sha256: str) -> Card:
+    """Of the low level, before it was examined."""
+    practice = sum(round_.practice for round_ in scale.low)
+    updates = sum(round_.updates for round_ in scale.low)
+    return Card(
+        name="low-level",
+        title="Low level of the simulated ALOHA cell",
+        version="1",
+        date=DATE,
+        recipe=(
+            "The scripted expert worked in the lab, in both tasks and in random chains of skills, "
+            "with shaky arms, hands that slip (0.3 % of steps) and 5 % wrong commands.",
+            f"In later rounds the network drove for up to 50 steps and the expert took over "
+            f"(DAgger); in all {len(scale.low)} rounds and {practice:,} steps of the expert.",
+            f"The network regressed chunks of 10 steps, {updates:,} updates of 1,024 rows (a "
+            "moment and an arm), AdamW with a cosine, averaged weights. Commands came as "
+            "sentence vectors of paraphrases; two of each command were kept aside.",
+        ),
+        command=_command(scale, seed),
+        seed=seed,
+        data_sha256=data_sha256,
+        tensors_sha256="",
+        limits=(
+            "It is told where the objects are (tokens from the simulator), it does not see.",
+            "It knows the eleven commands and what reads alike; other sentences give any motion.",
+            "One arm moves at a time, and it does not plan around the other.",
+        ),
+    )
+
+
+def high_level(scale: Scale, seed: int, data_sha256: str, policy: HighLevel) -> Card:
+    """Of the base of the high level, before it was examined."""
+    return Card(
+        name="high-level",
+        title="High level of the simulated ALOHA cell, base",
+        version=str(BASE_VERSION),
+        date=DATE,
+        recipe=(
+            *_demonstrated(scale),
+            f"A network of two small CNNs and a head over seven slots was trained from scratch, "
+            f"{scale.high_updates:,} updates of {scale.high_batch} decisions, to put the meaning "
+            "of the right command nearest to it among the eleven; 20 % of histories were wiped.",
+            "A second loss, on where each object is, shaped the slots; its weights are not kept.",
+        ),
+        command=_command(scale, seed),
+        seed=seed,
+        data_sha256=data_sha256,
+        tensors_sha256="",
+        limits=(
+            "Trained in the lab alone: at another site it is far worse, until it is corrected.",
+            "Prompts that read unlike the tasks' own were never seen.",
+        ),
+        settings={**policy.settings(), "bank": "\n".join(COMMANDS)},
+    )
+
+
+def demonstrations(scale: Scale, seed: int, data_sha256: str) -> Card:
+    """Of the decisions that are kept for replay."""
+    return Card(
+        name="demonstrations",
+        title="Demonstrations from the lab, kept for replay",
+        version=str(BASE_VERSION),
+        date=DATE,
+        recipe=(
+            *_demonstrated(scale),
+            f"{scale.replay:,} decisions were drawn, rare commands more often, and their pictures "
+            "packed as sheets of JPEG.",
+        ),
+        command=_command(scale, seed),
+        seed=seed,
+        data_sha256=data_sha256,
+        tensors_sha256="",
+    )
+
+
+def _demonstrated(scale: Scale) -> tuple[str, ...]:
+    return (
+        f"{scale.expert_episodes} episodes of both tasks in the lab by the expert's hand and "
+        f"{scale.learned_episodes} by the low level's, a decision every 20 steps, each labelled "
+        f"with the oracle's command; {scale.expert_mistakes:.0%} and {scale.learned_mistakes:.0%} "
+        "of decisions began a wrong stretch, hands slipped in 0.2 % of steps, the expert's arms "
+        "shook.",
+    )
+
+
+def examined(card: Card, figures: Sequence[Figure]) -> Card:
+    """The card with what was measured."""
+    return card.model_copy(update={"figures": tuple(figures)})

@@ -1,0 +1,96 @@
+"""Says what the robot shall do while the low level practises: tasks, random chains, mistakes."""
+
+from typing import Protocol
+
+import numpy as np
+
+from shared.workcell import skills
+from shared.workcell.skills import COMMANDS, Skill
+from shared.workcell.state import CellState
+from shared.workcell.tasks import TASKS
+from shared.workcell.tasks.task import Brief, Task
+
+PATIENCE_DECISIONS = 7
+
+
+class Commander(Protocol):
+    """Asked every 20 steps."""
+
+    def command(self, state: CellState) -> str | None:
+        """The command from now on; None when there is nothing left to do."""
+        ...
+
+
+class TaskCommander:
+    """The oracle of a task, which now and then says something wrong for a while.
+
+    slips: chance that a decision begins a wrong stretch of 1 to 3 decisions.
+    """
+
+    def __init__(
+        self, brief: Brief, task: Task, rng: np.random.Generator, slips: float, rest: int = 1
+    ) -> None:
+        self.brief, self._task, self._rng, self._slips = brief, task, rng, slips
+        self._wrong, self._wrong_left, self._rest = "", 0, rest
+        self.previous: str | None = None
+        self.right = ""
+
+    def command(self, state: CellState) -> str | None:
+        """The right command mostly; `right` keeps what would have been right."""
+        self.right = self._task.next_command(state, self.brief, self.previous)
+        if self.right == skills.WAIT:
+            self._rest -= 1
+            if self._rest < 0:
+                return None
+        said = self._mistake() or self.right
+        self.previous = said
+        return said
+
+    def _mistake(self) -> str:
+        if self._wrong_left == 0 and self._rng.random() < self._slips:
+            self._wrong = str(self._rng.choice(COMMANDS))
+            self._wrong_left = int(self._rng.integers(1, 4))
+        if self._wrong_left == 0:
+            return ""
+        self._wrong_left -= 1
+        return self._wrong
+
+
+class ChainCommander:
+    """Random skills one after another: every skill from every state that skills lead to."""
+
+    def __init__(self, rng: np.random.Generator) -> None:
+        self._rng = rng
+        self._skill: Skill | None = None
+        self._before: CellState | None = None
+        self._left = 0
+
+    def command(self, state: CellState) -> str | None:
+        """The skill in hand until it is achieved or patience ends, then another one."""
+        if self._skill is None or self._before is None or self._over(self._skill, state):
+            self._skill, self._before = self.draw(state), state
+            self._left = PATIENCE_DECISIONS if self._rng.random() < 0.9 else 1
+        self._left -= 1
+        return self._skill.text
+
+    def _over(self, skill: Skill, state: CellState) -> bool:
+        assert self._before is not None  # Set together with the skill.
+        if self._left <= 0 or (skill.verb == "wait" and self._rng.random() < 0.6):
+            return True
+        done = skill.verb != "wait" and skills.achieved(skill, self._before, state)
+        return done and self._rng.random() < 0.85
+
+    def draw(self, state: CellState) -> Skill:
+        """A random skill, mostly one that makes sense in this state."""
+        weights = [0.33, 0.36, 0.18, 0.04] if state.holding else [0.02, 0.02, 0.02, 0.04]
+        picks = 1.0 - sum(weights)
+        row = self._rng.choice(11, p=[picks / 7] * 7 + weights)
+        return skills.parse(COMMANDS[int(row)])
+
+
+def draw_commander(rng: np.random.Generator, chains: float, mistakes: float) -> Commander:
+    """A random chain with chance `chains`, else a random task."""
+    if rng.random() < chains:
+        return ChainCommander(rng)
+    task = list(TASKS.values())[int(rng.integers(len(TASKS)))]
+    return TaskCommander(task.sample(rng), task, rng, mistakes)

@@ -1,0 +1,223 @@
+"""Fits the low level to what the expert did in the practice: regression of action chunks."""
+
+import copy
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+from torch.nn import functional as F
+
+from services.learner.pretrain.practice import Steps
+from shared.goals.language.encoder import shared_encoder
+from shared.policies.geometry import Geometry, View
+from shared.policies.low_net import CHUNK, JOINTS, LowNet, squash
+from shared.policies.precision import autocast
+from shared.workcell import expert, layout
+from shared.workcell.kinematics import BASE_X
+from shared.workcell.objects import HALF_HEIGHTS_M, OBJECTS
+from shared.workcell.skills import COMMANDS, PARAPHRASES
+
+HELD_OUT = (3, 7)
+"""Paraphrases of each command that are kept from training, to measure on."""
+EXECUTED = 5
+LATE_WEIGHT = 0.3
+GRIP_WEIGHT = 0.5
+WORD_NOISE = 0.015
+CANONICAL_SHARE = 0.4
+AVERAGE = 0.999
+PORTION = 4096
+BIN_QUARTER_M = 0.047
+SPOTS = tuple((x, y) for y in (-0.19, -0.10, -0.01, 0.08, 0.17) for x in (0.14, 0.22, 0.285))
+"""Where on its side an arm may put things down: places that the network looks at, no more."""
+
+
+@dataclass(frozen=True)
+class LowFitSettings:
+    """steps: updates. rows: rows (a moment and an arm) of a batch. lr: the highest, then cosine."""
+
+    steps: int
+    rows: int = 1024
+    lr: float = 1.5e-3
+    last_lr: float = 5e-5
+    seed: int = 0
+
+
+class Rows:
+    """The practice as rows of one arm each, seen and ready to be drawn from.
+
+    Views are computed once and kept as float16, whose steps are far below what they encode.
+    """
+
+    def __init__(self, steps: Steps, geometry: Geometry, seed: int) -> None:
+        self._steps = steps
+        self.moments, self.arms = _worth_learning(steps, np.random.default_rng(seed))
+        portions = np.array_split(np.arange(len(self)), max(1, len(self) // PORTION))
+        parts = [
+            [part.half() for part in geometry(*self._senses(portion))[:3]] for portion in portions
+        ]
+        self._tokens, self._body, self._near = (
+            torch.cat(kind) for kind in zip(*parts, strict=True)
+        )
+
+    def __len__(self) -> int:
+        return len(self.moments)
+
+    def _senses(self, rows: NDArray[np.int64]) -> tuple[Tensor, Tensor, Tensor]:
+        moments = self.moments[rows]
+        arrays = self._steps.proprioception[moments], self._steps.objects[moments], self.arms[rows]
+        return tuple(torch.from_numpy(array) for array in arrays)  # type: ignore[return-value]
+
+    def draw(self, rng: np.random.Generator, count: int) -> tuple[View, Tensor, Tensor, Tensor]:
+        """Views, commands [R] int64, answers [R, S, 7] and their weights [R, S]."""
+        rows = rng.integers(0, len(self), count)
+        moments, arms = self.moments[rows], self.arms[rows]
+        now, answers, weights = _answers(self._steps, moments, arms)
+        index = torch.from_numpy(rows)
+        view = View(
+            self._tokens[index].float(),
+            self._body[index].float(),
+            self._near[index].float(),
+            torch.from_numpy(now),
+        )
+        commands = torch.from_numpy(self._steps.commands[moments].astype(np.int64))
+        return view, commands, torch.from_numpy(answers), torch.from_numpy(weights)
+
+
+def _worth_learning(
+    steps: Steps, rng: np.random.Generator
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Moments and arms of all rows, but only a part of those in which an arm just rests."""
+    moves = np.abs(steps.actions - steps.proprioception[:, :14]).reshape(-1, 2, 7)
+    resting = (moves[:, :, :JOINTS].max(-1) < 0.012) & (moves[:, :, JOINTS] < 0.01)
+    kept = ~resting | (rng.random(resting.shape) < 0.15)
+    moments, arms = np.nonzero(kept)
+    return moments, arms
+
+
+def _answers(
+    steps: Steps, moments: NDArray[np.int64], arms: NDArray[np.int64]
+) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]:
+    """Joints now [R, 6], the expert's next targets [R, S, 7], 1 within the run [R, S]."""
+    ahead = np.minimum(moments[:, None] + np.arange(CHUNK), len(steps) - 1)
+    columns = 7 * arms[:, None] + np.arange(7)
+    answers = steps.actions[ahead[:, :, None], columns[:, None, :]]
+    now = steps.proprioception[moments[:, None], columns[:, :JOINTS]]
+    weights = (steps.runs[ahead] == steps.runs[moments][:, None]).astype(np.float32)
+    return now, answers, weights
+
+
+def measures() -> dict[str, Tensor]:
+    """The cell's measures that the low level is told, see `Geometry`."""
+    arms = []
+    for arm, side in ((0, -1.0), (1, 1.0)):
+        quarters = [
+            (layout.BIN.x_m + x * side, layout.BIN.y_m + y, layout.BIN_FLOOR_M)
+            for x in (BIN_QUARTER_M, -BIN_QUARTER_M)
+            for y in (BIN_QUARTER_M, -BIN_QUARTER_M)
+        ]
+        spots = [(side * x, y, 0.0) for x, y in SPOTS]
+        plate = (*layout.PLATE_XY, layout.PLATE_TOP_M)
+        arms.append([plate, *quarters, *spots, expert.HOME[arm]])
+    return {
+        "places": torch.tensor(arms),
+        "half_heights": torch.tensor(HALF_HEIGHTS_M),
+        "round": torch.tensor([float(item.shape == "disc") for item in OBJECTS]),
+        "base_x": torch.tensor(BASE_X[1]),
+    }
+
+
+def phrases(held_out: bool = False) -> list[list[str]]:
+    """For each command what people say: canonical first; or only what is kept from training."""
+    texts = []
+    for command in COMMANDS:
+        said = [command, *(text for text in PARAPHRASES[command] if text != command)]
+        chosen = [text for row, text in enumerate(said) if (row in HELD_OUT) == held_out]
+        texts.append(chosen)
+    return texts
+
+
+class _Words:
+    """Sentence vectors of the training phrases, drawn at random for each command."""
+
+    def __init__(self) -> None:
+        said = phrases()
+        texts = [text for row in said for text in row]
+        self._vectors = torch.from_numpy(shared_encoder().embed(texts))
+        counts = np.array([len(row) for row in said])
+        self._first, self._counts = np.cumsum(counts) - counts, counts
+
+    def draw(self, rng: np.random.Generator, commands: NDArray[np.int64]) -> Tensor:
+        """A vector for each command, [R, 384], a little blurred."""
+        canonical = rng.random(len(commands)) < CANONICAL_SHARE
+        offset = rng.integers(0, self._counts[commands])
+        rows = self._first[commands] + np.where(canonical, 0, offset)
+        vectors = self._vectors[torch.from_numpy(rows)]
+        blur = rng.standard_normal(vectors.shape, dtype=np.float32) * WORD_NOISE
+        return F.normalize(vectors + torch.from_numpy(blur), dim=-1)
+
+
+def fit_low(
+    net: LowNet,
+    steps: Steps,
+    settings: LowFitSettings,
+    progress: Callable[[int, int, float], bool],
+) -> LowNet:
+    """Train `net` on; returns the average of the weights over the last updates.
+
+    progress: told updates done, updates in all and the loss; False stops early.
+    """
+    torch.manual_seed(settings.seed)
+    rng = np.random.default_rng(settings.seed)
+    rows, words = Rows(steps, net.geometry, settings.seed), _Words()
+    optimizer = torch.optim.AdamW(net.parameters(), lr=settings.lr, weight_decay=1e-3)
+    average = copy.deepcopy(net)
+    recent = 0.0
+    for step in range(settings.steps):
+        _set_rate(optimizer, settings, step)
+        view, commands, answers, weights = rows.draw(rng, settings.rows)
+        vectors = words.draw(rng, commands.numpy())
+        with autocast():
+            changes = net(view, vectors)
+        loss = chunk_loss(changes.float(), view.now, answers, weights)
+        optimizer.zero_grad()
+        loss.backward()  # type: ignore[no-untyped-call]
+        torch.nn.utils.clip_grad_norm_(net.parameters(), 1.0)
+        optimizer.step()
+        _follow(average, net, min(AVERAGE, step / (step + 10)))
+        recent += (loss.item() - recent) * (1.0 if step == 0 else 0.02)
+        if step % 50 == 0 and not progress(step, settings.steps, recent):
+            break
+    return average
+
+
+def _follow(average: LowNet, net: LowNet, keep: float) -> None:
+    """Move the average a little towards the weights."""
+    with torch.no_grad():
+        own, now = list[Tensor](average.parameters()), list[Tensor](net.parameters())
+        torch._foreach_lerp_(own, now, 1 - keep)
+
+
+def chunk_loss(changes: Tensor, now: Tensor, answers: Tensor, weights: Tensor) -> Tensor:
+    """Absolute error of squashed joint changes plus cross entropy of the grippers.
+
+    changes: [R, S, 7]; now: [R, 6]; answers: [R, S, 7]; weights: [R, S].
+    """
+    wanted = squash(answers[..., :JOINTS] - now.unsqueeze(1))
+    off = F.smooth_l1_loss(changes[..., :JOINTS], wanted, beta=0.1, reduction="none").mean(-1)
+    open_ = (answers[..., JOINTS] > 0.03).float()
+    grip = F.binary_cross_entropy_with_logits(changes[..., JOINTS], open_, reduction="none")
+    late = torch.where(torch.arange(CHUNK) < EXECUTED, 1.0, LATE_WEIGHT)
+    scale = weights * late
+    return ((off + GRIP_WEIGHT * grip) * scale).sum() / scale.sum()
+
+
+def _set_rate(optimizer: torch.optim.Optimizer, settings: LowFitSettings, step: int) -> None:
+    """A short warm-up, then down a cosine."""
+    warm = min(1.0, (step + 1) / 100)
+    fall = 0.5 * (1 + np.cos(np.pi * step / settings.steps))
+    rate = settings.last_lr + (settings.lr - settings.last_lr) * fall
+    for group in optimizer.param_groups:
+        group["lr"] = rate * warm

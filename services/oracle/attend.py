@@ -1,0 +1,106 @@
+"""Attend: watches one robot and says what a person would say, when a person would say it."""
+
+import asyncio
+import hashlib
+import time
+from collections import Counter
+from typing import Any
+
+import structlog
+
+from services.oracle.client import Client, GoneError
+from services.oracle.config import OracleSettings
+from services.oracle.judge import Kind, Verdict, judge
+from services.oracle.seen import Seen
+from shared.errors import HldError, RefusedError
+
+ABSENT_S = 1.0
+log = structlog.get_logger()
+
+
+class Attention:
+    """One robot's person. counts: shared by all of them."""
+
+    def __init__(
+        self, robot: str, client: Client, settings: OracleSettings, counts: Counter[str]
+    ) -> None:
+        self._robot, self._client, self._settings = robot, client, settings
+        self._counts = counts
+        self._last: Seen | None = None
+        self._attempt = 0
+
+    async def attend(self) -> None:
+        """Watch until cancelled."""
+        while True:
+            try:
+                await self._next()
+            except GoneError:
+                await asyncio.sleep(ABSENT_S)
+            except HldError as error:
+                self._counts["unclear"] += 1
+                log.warning("not understood", robot=self._robot, reason=str(error))
+                await asyncio.sleep(ABSENT_S)
+
+    async def _next(self) -> None:
+        last = self._last
+        seen = await self._client.decision(self._robot, last.id if last else None)
+        if seen is not None:
+            self._last, self._attempt = seen, 0
+            self._counts["decisions"] += 1
+        elif last is not None and last.awaits_verdict:
+            # It still waits for a word that was lost or refused: say it again, as something new.
+            seen, self._attempt = last, self._attempt + 1
+        else:
+            return
+        if seen.awaits_verdict:
+            await self._say(seen, judge(seen, self._settings), time.time_ns())
+        else:
+            await self._react(seen)
+
+    async def _react(self, seen: Seen) -> None:
+        """In real time: speak after the reaction time, if there is something to say still."""
+        verdict, begun_ns = judge(seen, self._settings), time.time_ns()
+        if verdict.missed:
+            self._counts["missed"] += 1
+        elif verdict.objects:
+            await asyncio.sleep(self._settings.delay_s)
+            newest = await self._client.decision(self._robot, None, 0) or seen
+            again = judge(newest, self._settings)
+            self._last = newest
+            if again.objects:
+                await self._say(newest, again, begun_ns)
+        elif verdict.kind is Kind.APPROVE and self._settings.approve:
+            await self._say(seen, verdict, begun_ns)
+
+    async def _say(self, seen: Seen, verdict: Verdict, begun_ns: int) -> None:
+        if verdict.kind is Kind.APPROVE and self._settings.approve is False:
+            verdict = Verdict(Kind.PASS)
+        name = "missed" if verdict.missed else "wrong" if verdict.wrong else str(verdict.kind)
+        try:
+            status = await self._client.say(self._robot, self._body(seen, verdict, begun_ns))
+        except RefusedError as error:
+            self._counts["refused"] += 1
+            log.info("refused", robot=self._robot, kind=verdict.kind, reason=str(error))
+            return
+        self._counts[name] += 1
+        log.debug("said", robot=self._robot, kind=verdict.kind, text=verdict.text, status=status)
+
+    def _body(self, seen: Seen, verdict: Verdict, begun_ns: int) -> dict[str, Any]:
+        body: dict[str, Any] = {
+            "id": self._name(seen),
+            "kind": verdict.kind,
+            "author": self._settings.author,
+            "decision": seen.id,
+            "episode": seen.episode,
+            "seen_step": seen.step,
+            "begun_ns": begun_ns,
+            "delay_steps": self._settings.delay_steps if seen.awaits_verdict else 0,
+        }
+        if verdict.kind is Kind.OVERRIDE:
+            body |= {"text": verdict.text, "hold_steps": self._settings.hold_steps}
+        return body
+
+    def _name(self, seen: Seen) -> str:
+        """One id a decision and attempt, so that saying it twice is saying it once."""
+        said = f"{self._settings.author} {seen.id} {self._attempt}"
+        return f"oracle-{hashlib.sha256(said.encode()).hexdigest()[:16]}"

@@ -1,0 +1,78 @@
+"""What the oracle sees of a decision: the API's JSON, as any client would read it."""
+
+import re
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict
+
+from shared.errors import HldError
+
+VERSION = re.compile(r"\d+\.\d+")
+
+
+class UnclearError(HldError):
+    """The API answered with something else than was asked for."""
+
+
+class Command(BaseModel):
+    """A goal in words."""
+
+    text: str
+
+
+class Proposed(BaseModel):
+    """What the policy considered."""
+
+    goal: Command
+    score: float
+
+
+class Seen(BaseModel):
+    """A decision as a person sees it, plus the truth, which no person has.
+
+    executed: the command in force, chosen by a policy version or by a correction's id.
+    previous: the commands before, oldest first. proposed: what else was considered, best first.
+    """
+
+    model_config = ConfigDict(frozen=True)
+
+    id: str
+    robot: str
+    episode: str
+    index: int
+    step: int
+    task: str
+    prompt: str
+    previous: tuple[str, ...]
+    proposed: tuple[Proposed, ...]
+    executed: Command
+    chosen_by: str
+    awaits_verdict: bool
+    truth: dict[str, Any]
+
+    @property
+    def held(self) -> bool:
+        """Somebody's override was holding."""
+        return not VERSION.fullmatch(self.chosen_by)
+
+    @property
+    def before(self) -> str | None:
+        """The command that was in force when the high level looked."""
+        return self.previous[-1] if self.previous else None
+
+    @property
+    def top(self) -> str:
+        """What the policy itself would do now."""
+        return self.proposed[0].goal.text
+
+
+def parse(content: bytes) -> Seen:
+    """Read the API's answer.
+
+    Raises:
+        UnclearError: it is no decision.
+    """
+    try:
+        return Seen.model_validate_json(content)
+    except ValueError as error:
+        raise UnclearError(f"this is no decision: {error}") from None

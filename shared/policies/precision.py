@@ -1,0 +1,21 @@
+"""How training computes: bfloat16 where the processor multiplies it in hardware, else float32."""
+
+import contextlib
+from contextlib import AbstractContextManager
+
+import torch
+
+
+def autocast(enabled: bool | None = None) -> AbstractContextManager[object]:
+    """Mixed precision for the forward pass; by default only with AMX, where it is 3 times faster.
+
+    Weights, gradients and everything outside training stay float32.
+    """
+    if fast_bfloat16() if enabled is None else enabled:
+        return torch.autocast("cpu", dtype=torch.bfloat16)
+    return contextlib.nullcontext()
+
+
+def fast_bfloat16() -> bool:
+    """Whether this processor has matrix units for bfloat16."""
+    return bool(torch.cpu._is_amx_tile_supported())

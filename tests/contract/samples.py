@@ -1,0 +1,215 @@
+"""One message of each kind, with every field set; `python -m tests.contract.samples` writes the
+golden bytes of those that have none yet.
+
+When a message changes, its sample is changed and gets the next number in `NUMBERS`; the files of
+the numbers before stay, since there are stores and logs that hold such bytes.
+"""
+
+from pathlib import Path
+
+import numpy as np
+
+from shared.messages.correction import Correction, Kind
+from shared.messages.decision import Decision, Proposal
+from shared.messages.episode import Episode, Outcome
+from shared.messages.frame import Frame
+from shared.messages.goal import LanguageGoal
+from shared.messages.heartbeat import LearnerHeartbeat, LearnerState, RobotHeartbeat, RobotState
+from shared.messages.message import Message
+from shared.messages.observation import Observation
+from shared.messages.policy import PolicyAnnouncement, TensorRef, Version
+from shared.messages.receipt import Receipt
+from shared.wire.codec import encode
+
+GOLDEN = Path(__file__).parent / "golden"
+
+NUMBERS: dict[type[Message], int] = {
+    Correction: 1,
+    Decision: 1,
+    Episode: 1,
+    Frame: 1,
+    LearnerHeartbeat: 1,
+    Observation: 1,
+    PolicyAnnouncement: 1,
+    Receipt: 1,
+    RobotHeartbeat: 1,
+}
+
+CHEESE = LanguageGoal(text="pick up the cheese")
+HAM = LanguageGoal(text="pick up the ham")
+TIME_NS = 1_795_000_000_123_456_789
+
+
+def arrays() -> dict[str, np.ndarray]:
+    """What a policy sees, small and the same each time."""
+    images = np.arange(2 * 64 * 64 * 3, dtype=np.uint32).astype(np.uint8)
+    return {
+        "images": images.reshape(2, 64, 64, 3),
+        "proprioception": np.linspace(-1, 1, 22, dtype=np.float32),
+        "objects": np.linspace(0, 2, 81, dtype=np.float32).reshape(9, 9),
+    }
+
+
+def samples() -> dict[type[Message], Message]:
+    """The message of each class."""
+    made: tuple[Message, ...] = (
+        correction(), decision(), episode(), frame(), learner(), observation(), policy(),
+        receipt(), robot(),
+    )  # fmt: skip
+    return {type(message): message for message in made}
+
+
+def observation() -> Observation:
+    return Observation(step=7, prompt="a cheese sandwich", previous=("wait",), arrays=arrays())
+
+
+def decision() -> Decision:
+    return Decision(
+        id="dec-1",
+        robot="robot-1",
+        episode="ep-1",
+        index=3,
+        step=150,
+        time_ns=TIME_NS,
+        task="sandwich",
+        prompt="a cheese sandwich, please – schön dick",
+        previous=("pick up the bread", "put it on the plate"),
+        proposed=(Proposal(goal=HAM, score=0.75), Proposal(goal=CHEESE, score=0.25)),
+        executed=HAM,
+        chosen_by="1.2",
+        version=Version(1, 2),
+        awaits_verdict=True,
+        truth={"held": [None, "ham"], "position_m": [0.5, -0.25, 1e-3], "steps": 4},
+        arrays=arrays(),
+    )
+
+
+def correction() -> Correction:
+    return Correction(
+        id="cor-1",
+        robot="robot-1",
+        episode="ep-1",
+        kind=Kind.OVERRIDE,
+        author="anna",
+        goal=CHEESE,
+        decision="dec-1",
+        seen_step=150,
+        hold_steps=100,
+        delay_steps=5,
+        begun_ns=TIME_NS,
+        created_ns=TIME_NS + 1,
+        note="the cheese first",
+    )
+
+
+def receipt() -> Receipt:
+    return Receipt(
+        correction="cor-1",
+        robot="robot-1",
+        episode="ep-1",
+        accepted=True,
+        step=151,
+        replaced="cor-0",
+        time_ns=TIME_NS,
+    )
+
+
+def episode() -> Episode:
+    return Episode(
+        id="ep-1",
+        robot="robot-1",
+        number=12,
+        task="sandwich",
+        prompt="a cheese sandwich",
+        site="kitchen",
+        seed=1_000_000_012,
+        version=Version(1, 2),
+        low_level_sha256="ab" * 32,
+        outcome=Outcome.SUCCESS,
+        steps=800,
+        decisions=16,
+        corrections=2,
+        started_ns=TIME_NS,
+        ended_ns=TIME_NS + 16_000_000_000,
+    )
+
+
+def frame() -> Frame:
+    return Frame(
+        robot="robot-1",
+        episode="ep-1",
+        step=150,
+        camera="top",
+        sequence=9,
+        time_ns=TIME_NS,
+        arrays={"jpeg": np.frombuffer(b"\xff\xd8 a picture \xff\xd9", np.uint8)},
+    )
+
+
+def robot() -> RobotHeartbeat:
+    return RobotHeartbeat(
+        robot="robot-1",
+        actor="actor-1",
+        time_ns=TIME_NS,
+        state=RobotState.AWAITING,
+        task="sandwich",
+        prompt="a cheese sandwich",
+        site="kitchen",
+        episode="ep-1",
+        number=12,
+        step=150,
+        command=HAM,
+        chosen_by="1.2",
+        version=Version(1, 2),
+        supervised=True,
+        real_time=False,
+        pending=3,
+    )
+
+
+def learner() -> LearnerHeartbeat:
+    return LearnerHeartbeat(
+        learner="learner-1",
+        time_ns=TIME_NS,
+        state=LearnerState.TRAINING,
+        version=Version(1, 2),
+        round=3,
+        episodes=40,
+        successes=25,
+        corrections=171,
+        decisions=640,
+        reason="none",
+        progress=0.5,
+    )
+
+
+def policy() -> PolicyAnnouncement:
+    ref = TensorRef(
+        name="head.weight", sha256="cd" * 32, dtype="float32", shape=(384, 256), size_bytes=393_216
+    )
+    return PolicyAnnouncement(
+        version=Version(2, 7),
+        learner="learner-1",
+        created_ns=TIME_NS,
+        tensors=(ref,),
+        bank=("pick up the cheese", "wait"),
+        low_level_sha256="ab" * 32,
+        settings={"width": 128, "temperature": 0.5, "head": "linear", "deep": False},
+    )
+
+
+def golden_file(cls: type[Message], number: int) -> Path:
+    suffix = "safetensors" if cls.ARRAYS else "json"
+    return GOLDEN / f"{cls.__name__.lower()}-{number}.{suffix}"
+
+
+def write_missing() -> None:
+    """Write the golden bytes that don't exist; those that do are never touched."""
+    for cls, message in samples().items():
+        path = golden_file(cls, NUMBERS[cls])
+        if not path.exists():
+            path.write_bytes(encode(message))
+
+
+if __name__ == "__main__":
+    write_missing()

@@ -1,0 +1,239 @@
+"""A robot and a learner that speak on a bus as the real ones do, and remember what they heard."""
+
+import threading
+import time
+from typing import Any
+
+import numpy as np
+import simplejpeg
+
+from shared.messages.correction import Correction, Kind
+from shared.messages.decision import Decision, Proposal
+from shared.messages.episode import Episode, Outcome
+from shared.messages.frame import Frame
+from shared.messages.goal import LanguageGoal
+from shared.messages.heartbeat import LearnerHeartbeat, LearnerState, RobotHeartbeat, RobotState
+from shared.messages.observation import CAMERAS
+from shared.messages.policy import PolicyAnnouncement, TensorRef, Version
+from shared.messages.receipt import Receipt
+from shared.wire.bus import Bus, Urgency
+from shared.wire.codec import decode, encode
+from shared.wire.keys import any_service, robot_key, service_key
+
+FLEET = "lab"
+COMMANDS = (
+    "pick up the cheese",
+    "pick up the tomato",
+    "put it on the plate",
+    "pick up the bread",
+    "wait",
+)
+BEAT_S = 0.1
+
+
+class FakeRobot:
+    """Obeys on its own bus thread; its steps go on with the heartbeats.
+
+    heard: every correction that arrived, also repeated ones. receipts: what was answered, by id.
+    """
+
+    def __init__(self, bus: Bus, name: str = "robot-1", *, supervised: bool = False) -> None:
+        self.bus, self.name, self.supervised = bus, name, supervised
+        self.episode, self.step, self.index = f"{name}-e1", 0, 0
+        self.command, self.chosen_by = COMMANDS[0], "1.0"
+        self.state = RobotState.ACTING
+        self.heard: list[Correction] = []
+        self.receipts: dict[str, Receipt] = {}
+        self.deaf = False
+        self._serving = bus.serve(robot_key(FLEET, name, "correction"), self._obey)
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._live, daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        self._ended.set()
+        self._thread.join()
+        self._serving.close()
+
+    def decide(self, *, truth: dict[str, Any] | None = None) -> Decision:
+        """Publish a decision that keeps the command in force."""
+        scores = np.linspace(0.4, 0.05, len(COMMANDS))
+        decision = Decision(
+            id=f"{self.episode}-{self.index}",
+            robot=self.name,
+            episode=self.episode,
+            index=self.index,
+            step=self.step,
+            time_ns=time.time_ns(),
+            task="sandwich",
+            prompt="make a sandwich with cheese and tomato",
+            previous=(COMMANDS[3],),
+            proposed=tuple(
+                Proposal(goal=LanguageGoal(text=text), score=float(score))
+                for text, score in zip(COMMANDS, scores, strict=True)
+            ),
+            executed=LanguageGoal(text=self.command),
+            chosen_by=self.chosen_by,
+            version=Version(1, 0),
+            awaits_verdict=self.supervised,
+            truth=truth or {},
+            arrays={
+                "images": np.zeros((2, 64, 64, 3), np.uint8),
+                "proprioception": np.zeros(22, np.float32),
+                "objects": np.zeros((9, 9), np.float32),
+            },
+        )
+        self.index += 1
+        self.repeat(decision)
+        return decision
+
+    def repeat(self, decision: Decision) -> None:
+        """Publish a decision (again)."""
+        self.bus.put(robot_key(FLEET, self.name, "decision"), encode(decision))
+
+    def end(self, outcome: Outcome = Outcome.SUCCESS) -> Episode:
+        """End the episode, and begin the next one."""
+        number = int(self.episode.rpartition("e")[2])
+        episode = Episode(
+            id=self.episode,
+            robot=self.name,
+            number=number,
+            task="sandwich",
+            prompt="make a sandwich with cheese and tomato",
+            site="workshop",
+            seed=1_000_000_000 + number,
+            version=Version(1, 0),
+            low_level_sha256="5d" * 32,
+            outcome=outcome,
+            steps=self.step,
+            decisions=self.index,
+            corrections=2,
+            started_ns=time.time_ns() - 10**9,
+            ended_ns=time.time_ns(),
+        )
+        self.episode, self.step, self.index = f"{self.name}-e{number + 1}", 0, 0
+        self.bus.put(robot_key(FLEET, self.name, "episode"), encode(episode))
+        self.beat()
+        return episode
+
+    def beat(self) -> None:
+        """Give a sign of life, and a picture for each camera that somebody watches."""
+        heartbeat = RobotHeartbeat(
+            robot=self.name,
+            actor="actor-1",
+            time_ns=time.time_ns(),
+            state=self.state,
+            task="sandwich",
+            prompt="make a sandwich with cheese and tomato",
+            site="workshop",
+            episode=self.episode,
+            number=1,
+            step=self.step,
+            command=LanguageGoal(text=self.command),
+            chosen_by=self.chosen_by,
+            version=Version(1, 0),
+            supervised=self.supervised,
+        )
+        self.bus.put(robot_key(FLEET, self.name, "heartbeat"), encode(heartbeat))
+        for camera in CAMERAS:
+            if self.bus.watched(robot_key(FLEET, self.name, f"frame-{camera}")):
+                self.show(camera)
+
+    def show(self, camera: str, size: tuple[int, int] = (48, 64)) -> None:
+        """Publish a picture."""
+        noise = np.random.default_rng(self.step).integers(0, 255, (*size, 3), np.uint8)
+        frame = Frame(
+            robot=self.name,
+            episode=self.episode,
+            step=self.step,
+            camera=camera,
+            sequence=self.step,
+            time_ns=time.time_ns(),
+            arrays={"jpeg": np.frombuffer(simplejpeg.encode_jpeg(noise), np.uint8)},
+        )
+        key = robot_key(FLEET, self.name, f"frame-{camera}")
+        self.bus.put(key, encode(frame), Urgency.BACKGROUND, droppable=True)
+
+    def _live(self) -> None:
+        while not self._ended.wait(BEAT_S):
+            if not self.deaf:
+                self.step += 5
+                self.beat()
+
+    def _obey(self, key: str, payload: bytes) -> bytes:
+        del key  # Unused.
+        correction = decode(Correction, payload)
+        self.heard.append(correction)
+        if correction.id not in self.receipts:
+            self.receipts[correction.id] = self._judge(correction)
+        return encode(self.receipts[correction.id])
+
+    def _judge(self, correction: Correction) -> Receipt:
+        stale = correction.episode != self.episode
+        if not stale and correction.kind is Kind.OVERRIDE and correction.goal:
+            self.command, self.chosen_by = correction.goal.text, correction.id
+        if not stale and correction.kind is Kind.RELEASE:
+            self.command, self.chosen_by = COMMANDS[0], "1.0"
+        reason = f"episode {correction.episode} is over; the current one is {self.episode}"
+        return Receipt(
+            correction=correction.id,
+            robot=self.name,
+            episode=correction.episode,
+            accepted=not stale,
+            step=None if stale else self.step,
+            reason=reason if stale else "",
+            time_ns=time.time_ns(),
+        )
+
+
+class FakeLearner:
+    """Takes corrections and receipts; taken: (message, correction id), as they came."""
+
+    def __init__(self, bus: Bus) -> None:
+        self.bus = bus
+        self.taken: list[tuple[str, str]] = []
+        self._serving = [
+            bus.serve(any_service(FLEET, "correction-api", "correction"), self._correction),
+            bus.serve(any_service(FLEET, "correction-api", "receipt"), self._receipt),
+        ]
+
+    def close(self) -> None:
+        for serving in self._serving:
+            serving.close()
+
+    def beat(self) -> None:
+        """Give a sign of life."""
+        heartbeat = LearnerHeartbeat(
+            learner="learner-1",
+            time_ns=time.time_ns(),
+            state=LearnerState.COLLECTING,
+            version=Version(1, 0),
+            round=0,
+            corrections=3,
+        )
+        key = service_key(FLEET, "learner", "learner-1", "heartbeat")
+        self.bus.put(key, encode(heartbeat))
+
+    def announce(self, version: str = "1.0") -> None:
+        """Announce a policy that knows `COMMANDS`."""
+        tensor = TensorRef(name="w", sha256="0" * 64, dtype="float32", shape=(1,), size_bytes=4)
+        announcement = PolicyAnnouncement(
+            version=Version.parse(version),
+            learner="learner-1",
+            created_ns=time.time_ns(),
+            tensors=(tensor,),
+            bank=COMMANDS,
+            low_level_sha256="5d" * 32,
+        )
+        key = service_key(FLEET, "learner", "learner-1", "policy")
+        self.bus.latest(key, encode(announcement))
+
+    def _correction(self, key: str, payload: bytes) -> bytes:
+        del key  # Unused.
+        self.taken.append(("correction", decode(Correction, payload).id))
+        return b"ok"
+
+    def _receipt(self, key: str, payload: bytes) -> bytes:
+        del key  # Unused.
+        self.taken.append(("receipt", decode(Receipt, payload).correction))
+        return b"ok"

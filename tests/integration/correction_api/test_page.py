@@ -1,0 +1,141 @@
+"""The page in a real browser: one sees the robot, clicks a command, and is told since when."""
+
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import httpx
+import pytest
+from playwright.sync_api import Browser, Page, Playwright, expect, sync_playwright
+
+from shared.messages.correction import Kind
+from shared.wire.memory import MemoryBus, MemoryRouter
+from tests.integration.correction_api.fakes import COMMANDS, FakeRobot
+from tests.integration.correction_api.running import eventually, running
+
+FLAGS = [
+    "--no-sandbox",  # Tests may run as root in a container.
+    "--disable-gpu",
+    "--disable-dev-shm-usage",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--no-first-run",
+]
+SIZES = [(1280, 900), (390, 844)]
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    """Debian's Chromium, without a screen."""
+    path = shutil.which("chromium")
+    assert path, "no chromium: apt-get install chromium"
+    with sync_playwright() as playwright:
+        browser = _launch(playwright, path)
+        yield browser
+        browser.close()
+
+
+def _launch(playwright: Playwright, path: str) -> Browser:
+    return playwright.chromium.launch(executable_path=path, args=FLAGS)
+
+
+@contextmanager
+def opened(browser: Browser, api: httpx.Client, size: tuple[int, int] = SIZES[0]) -> Iterator[Page]:
+    """The page; it must not complain, nor ask anybody but its own origin."""
+    page = browser.new_page(viewport={"width": size[0], "height": size[1]})
+    complaints, asked = list[str](), list[str]()
+    page.on("pageerror", lambda error: complaints.append(str(error)))
+    page.on("console", lambda message: complaints.append(message.text))
+    page.on("request", lambda request: asked.append(request.url))
+    page.on("websocket", lambda socket: asked.append(socket.url.replace("ws:", "http:")))
+    page.goto(str(api.base_url))
+    yield page
+    page.close()
+    assert complaints == []
+    assert asked
+    assert [url for url in asked if not url.startswith(str(api.base_url))] == []
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_a_click_on_a_proposal_is_obeyed_and_the_step_is_told(
+    browser: Browser, api: httpx.Client, robot: FakeRobot, size: tuple[int, int]
+) -> None:
+    robot.decide()
+    with opened(browser, api, size) as page:
+        card = page.locator("[data-robot=robot-1]")
+        expect(card.locator(".prompt")).to_have_text("make a sandwich with cheese and tomato")
+        expect(card.locator(".caption q")).to_have_text(COMMANDS[0])
+        expect(card.locator(".who")).to_have_text("chosen by policy 1.0")
+        expect(card.locator("canvas.drawn")).to_have_count(2)
+        card.get_by_role("button", name=COMMANDS[2]).click()
+        status = card.get_by_role("status")
+        expect(status).to_contain_text(f"“{COMMANDS[2]}”: in force since step ")
+        said = robot.heard[0]
+        step = robot.receipts[said.id].step
+        expect(status).to_have_text(f"“{COMMANDS[2]}”: in force since step {step}")
+        expect(card.locator(".caption q")).to_have_text(COMMANDS[2])
+        expect(card.locator(".who")).to_have_text("told by person")
+        expect(card.locator(".history li")).to_have_count(1)
+        width = page.evaluate("document.documentElement.scrollWidth")
+        assert width <= size[0]
+    assert (said.author, said.decision, said.hold_steps) == ("person", "robot-1-e1-0", None)
+    assert said.seen_step is not None
+
+
+def test_words_keys_and_buttons_all_reach_the_robot(
+    browser: Browser, api: httpx.Client, robot: FakeRobot
+) -> None:
+    robot.decide()
+    with opened(browser, api) as page:
+        card = page.locator("[data-robot=robot-1]")
+        expect(card.locator(".proposal")).to_have_count(len(COMMANDS))
+        page.locator("input[name=author]").fill("Anna B")
+        page.keyboard.press("Tab")
+        page.locator("body").press("/")
+        page.keyboard.type("<b>1</b> pick up the cheese, gently")
+        card.get_by_label("How long it holds").select_option("250")
+        card.get_by_role("button", name="Say").click()
+        expect(card.get_by_role("status")).to_contain_text("in force since step")
+        expect(card.locator(".caption q")).to_have_text("<b>1</b> pick up the cheese, gently")
+        card.locator(".prompt").click()
+        for key in ("2", "y", "r"):
+            before = len(robot.heard)
+            page.keyboard.press(key)
+            eventually(lambda before=before: len(robot.heard) > before)
+            expect(card.get_by_role("status")).to_contain_text("in force")
+        page.keyboard.press("Escape")
+        eventually(lambda: len(robot.heard) == 5)
+    assert [said.kind for said in robot.heard] == [
+        Kind.OVERRIDE,
+        Kind.OVERRIDE,
+        Kind.APPROVE,
+        Kind.RELEASE,
+        Kind.PAUSE,
+    ]
+    assert (robot.heard[0].author, robot.heard[0].hold_steps) == ("anna-b", 250)
+    assert robot.heard[1].goal is not None
+    assert robot.heard[1].goal.text == COMMANDS[1]
+
+
+def test_a_refusal_and_a_lost_connection_are_told(
+    browser: Browser, router: MemoryRouter, tmp_path: Path
+) -> None:
+    with MemoryBus(router) as bus, MemoryBus(router) as robots:
+        robot = FakeRobot(robots)
+        with running(bus, tmp_path) as api:
+            eventually(lambda: api.get("api/v1/robots").json()["robots"])
+            robot.decide()
+            page = browser.new_page()
+            page.goto(str(api.base_url))
+            card = page.locator("[data-robot=robot-1]")
+            expect(card.locator(".proposal")).to_have_count(len(COMMANDS))
+            robot.deaf, robot.episode = True, "robot-1-e9"
+            card.get_by_role("button", name=COMMANDS[1]).click()
+            expect(card.get_by_role("status")).to_contain_text(
+                "refused because episode robot-1-e1 is over; the current one is robot-1-e9"
+            )
+        expect(page.get_by_role("alert")).to_have_text("No connection …")
+        page.close()
+        robot.close()

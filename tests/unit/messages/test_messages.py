@@ -1,0 +1,169 @@
+"""What each message refuses, and what it promises."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pydantic import ValidationError
+
+from shared.errors import MessageError
+from shared.messages.correction import Correction, Kind
+from shared.messages.decision import Decision, Proposal
+from shared.messages.frame import Frame
+from shared.messages.goal import LanguageGoal
+from shared.messages.message import ID_PATTERN, MAX_TEXT, new_id
+from shared.messages.observation import Observation
+from shared.messages.policy import PolicyAnnouncement, TensorRef, Version
+from shared.messages.receipt import Receipt
+from tests.contract.samples import arrays, samples
+
+SAMPLES = samples()
+
+
+def changed(cls, **fields):
+    """The sample of a class with other fields, checked anew."""
+    sample = SAMPLES[cls]
+    return cls.model_validate(sample.model_dump() | {"arrays": sample.arrays} | fields)
+
+
+@pytest.mark.parametrize("cls", SAMPLES, ids=lambda cls: cls.__name__)
+def test_a_message_refuses_a_field_that_it_does_not_know(cls):
+    with pytest.raises(ValidationError, match="surprise"):
+        changed(cls, surprise=1)
+
+
+@pytest.mark.parametrize("cls", SAMPLES, ids=lambda cls: cls.__name__)
+def test_a_message_never_changes(cls):
+    with pytest.raises(ValidationError, match="frozen"):
+        SAMPLES[cls].time_ns = 0
+
+
+@pytest.mark.parametrize("cls", SAMPLES, ids=lambda cls: cls.__name__)
+def test_the_head_in_json_names_no_arrays(cls):
+    assert "arrays" not in SAMPLES[cls].without_arrays()
+    assert "arrays" not in cls.model_json_schema().get("required", [])
+
+
+@pytest.mark.parametrize("id", ["", "A", "a/b", "a*", "a\n", "ä", "a" * 65, "a b", "$", "../a"])
+def test_an_id_is_safe_in_a_key_a_path_and_a_url(id):
+    with pytest.raises(ValidationError):
+        changed(Receipt, robot=id)
+
+
+@given(st.text(alphabet="abcdefghijklmnopqrstuvwxyz-", max_size=40))
+def test_a_fresh_id_is_an_id_and_never_the_same(prefix):
+    one, two = new_id(prefix), new_id(prefix)
+    assert ID_PATTERN.fullmatch(one)
+    assert one != two
+
+
+@pytest.mark.parametrize("text", ["", "   ", "\n", "x" * (MAX_TEXT + 1)])
+def test_a_command_says_something_and_not_too_much(text):
+    with pytest.raises(ValidationError):
+        LanguageGoal(text=text)
+
+
+def test_a_command_loses_the_blanks_around_it():
+    assert LanguageGoal(text="  wait \n") == LanguageGoal(text="wait")
+
+
+@pytest.mark.parametrize("kind", [kind for kind in Kind if kind is not Kind.OVERRIDE])
+def test_only_an_override_has_a_goal(kind):
+    changed(Correction, kind=kind, goal=None, hold_steps=None)
+    with pytest.raises(ValidationError, match="an override has a goal"):
+        changed(Correction, kind=kind, hold_steps=None)
+    with pytest.raises(ValidationError, match="only an override has hold_steps"):
+        changed(Correction, kind=kind, goal=None)
+
+
+def test_an_override_without_a_goal_is_none():
+    with pytest.raises(ValidationError, match="an override has a goal"):
+        changed(Correction, goal=None)
+
+
+@pytest.mark.parametrize("fields", [{"hold_steps": 0}, {"delay_steps": -1}, {"begun_ns": -1}])
+def test_times_and_steps_are_never_negative(fields):
+    with pytest.raises(ValidationError):
+        changed(Correction, **fields)
+
+
+def test_proposals_stand_best_first():
+    worse, better = (Proposal(goal=LanguageGoal(text="wait"), score=s) for s in (0.25, 0.75))
+    changed(Decision, proposed=(better, worse))
+    with pytest.raises(ValidationError, match="best first"):
+        changed(Decision, proposed=(worse, better))
+    with pytest.raises(ValidationError):
+        changed(Decision, proposed=())
+
+
+@pytest.mark.parametrize("score", [-0.1, 1.1, float("nan"), float("inf")])
+def test_a_score_is_a_probability(score):
+    with pytest.raises(ValidationError):
+        Proposal(goal=LanguageGoal(text="wait"), score=score)
+
+
+def test_a_receipt_has_a_step_or_a_reason():
+    changed(Receipt, accepted=False, step=None, reason="the episode is over")
+    for fields in ({"step": None}, {"accepted": False}, {"accepted": False, "step": None}):
+        with pytest.raises(ValidationError):
+            changed(Receipt, **fields)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "says"),
+    [
+        ({"images": None}, "carries arrays"),
+        ({"depth": np.zeros(3, np.float32)}, "carries arrays"),
+        ({"proprioception": np.zeros(22)}, "float64"),
+        ({"proprioception": np.zeros((22, 1), np.float32)}, r"\[22, 1\]"),
+        ({"proprioception": np.zeros(257, np.float32)}, r"\[257\]"),
+        ({"images": np.zeros((2, 64, 64, 4), np.uint8)}, r"\[2, 64, 64, 4\]"),
+        ({"images": np.zeros((9, 64, 64, 3), np.uint8)}, r"\[9, 64, 64, 3\]"),
+    ],
+)
+def test_arrays_are_those_that_the_message_declares(wrong, says):
+    given = {name: array for name, array in (arrays() | wrong).items() if array is not None}
+    with pytest.raises(MessageError, match=says):
+        Observation(step=0, prompt="a sandwich", arrays=given)
+
+
+def test_a_message_with_arrays_is_none_without_them():
+    with pytest.raises(MessageError, match="jpeg"):
+        changed(Frame, arrays={})
+
+
+versions = st.builds(Version, st.integers(0, 10**6), st.integers(0, 10**6))
+
+
+@given(versions)
+def test_a_version_reads_back_what_it_writes(version):
+    assert Version.parse(str(version)) == version
+    assert hash(Version.parse(str(version))) == hash(version)
+
+
+@given(versions, versions)
+def test_a_learner_of_a_lower_epoch_is_older_in_everything(one, two):
+    assert (one < two) == ((one.epoch, one.number) < (two.epoch, two.number))
+
+
+@pytest.mark.parametrize(
+    "text", ["", "1", "1.", ".1", "1.2.3", "-1.0", "1.x", "v1.0", " 1.0", "1.0\n"]
+)
+def test_a_version_is_two_whole_numbers(text):
+    with pytest.raises(ValueError, match=r"such as 1\.0"):
+        Version.parse(text)
+
+
+def test_a_version_in_a_message_travels_as_text():
+    assert SAMPLES[Decision].without_arrays()["version"] == "1.2"
+    with pytest.raises(ValidationError, match=r"EPOCH\.NUMBER"):
+        changed(Decision, version="1")
+
+
+@pytest.mark.parametrize(
+    "fields", [{"sha256": "AB" * 32}, {"sha256": "ab"}, {"size_bytes": -1}, {"size_bytes": 2**31}]
+)
+def test_a_tensor_is_named_by_a_hash_and_has_a_size_within_reason(fields):
+    ref = SAMPLES[PolicyAnnouncement].tensors[0]
+    with pytest.raises(ValidationError):
+        TensorRef.model_validate(ref.model_dump() | fields)

@@ -1,0 +1,125 @@
+"""When a person says it: at once where the robot waits, else after the reaction time."""
+
+import asyncio
+from collections import Counter
+from typing import Any
+
+from services.oracle.attend import Attention
+from services.oracle.client import GoneError
+from services.oracle.config import OracleSettings
+from services.oracle.seen import Seen
+from shared.errors import RefusedError
+from tests.unit.oracle.scenes import scene, seen
+
+BREAD, CHEESE = "pick up the bread", "pick up the cheese"
+
+
+class FakeClient:
+    """Tells the decisions of a script; said: what was posted. Its end ends the test."""
+
+    def __init__(self, *script: Seen | Exception | None) -> None:
+        self._script = list(script)
+        self.said: list[dict[str, Any]] = []
+        self.answers: list[Exception] = []
+
+    async def decision(
+        self, robot: str, after: str | None, wait_s: float | None = None
+    ) -> Seen | None:
+        del robot, after, wait_s  # The script knows what comes next.
+        if not self._script:
+            raise asyncio.CancelledError
+        told = self._script.pop(0)
+        if isinstance(told, Exception):
+            raise told
+        return told
+
+    async def say(self, robot: str, body: dict[str, Any]) -> str:
+        del robot
+        self.said.append(body)
+        if self.answers:
+            raise self.answers.pop(0)
+        return "in force"
+
+
+def attend(client: FakeClient, **settings: Any) -> Counter[str]:
+    """Attend until the script is over; the counts."""
+    counts: Counter[str] = Counter()
+    made = OracleSettings.model_validate({"delay_s": 0.0} | settings)
+    attention = Attention("robot-1", client, made, counts)  # type: ignore[arg-type]
+
+    async def run() -> None:
+        task = asyncio.create_task(attention.attend())
+        await asyncio.wait([task])
+
+    asyncio.run(run())
+    return counts
+
+
+def kinds(client: FakeClient) -> list[str]:
+    return [str(body["kind"]) for body in client.said]
+
+
+def test_a_robot_that_waits_gets_a_verdict_for_each_decision() -> None:
+    client = FakeClient(seen(scene(), BREAD, name="ep-1-0"), seen(scene(), CHEESE, name="ep-1-1"))
+    counts = attend(client, delay_steps=7)
+    assert kinds(client) == ["approve", "override"]
+    said = client.said[1]
+    assert (said["decision"], said["text"], said["delay_steps"]) == ("ep-1-1", BREAD, 7)
+    assert said["hold_steps"] is None
+    assert counts == {"decisions": 2, "approve": 1, "override": 1}
+
+
+def test_who_does_not_approve_passes_so_that_the_robot_goes_on() -> None:
+    client = FakeClient(seen(scene(), BREAD))
+    attend(client, approve=False)
+    assert kinds(client) == ["pass"]
+
+
+def test_a_verdict_that_was_lost_is_said_again_as_something_new() -> None:
+    client = FakeClient(seen(scene(), BREAD), None, None)
+    client.answers = [RefusedError("the robot gave no receipt")]
+    counts = attend(client)
+    assert kinds(client) == ["approve"] * 3
+    assert len({body["id"] for body in client.said}) == 3
+    assert counts["refused"] == 1
+
+
+def test_the_same_decision_gets_the_same_id_from_whoever_sees_it_again() -> None:
+    first, second = FakeClient(seen(scene(), BREAD)), FakeClient(seen(scene(), BREAD))
+    attend(first)
+    attend(second)
+    assert first.said[0]["id"] == second.said[0]["id"]
+
+
+def test_in_real_time_only_what_stays_wrong_is_corrected() -> None:
+    wrong = seen(scene(), CHEESE, name="ep-1-0", awaits_verdict=False)
+    right = seen(scene(), BREAD, name="ep-1-1", awaits_verdict=False)
+    later = wrong.model_copy(update={"id": "ep-1-2", "step": 40})
+    mended, lasting = FakeClient(wrong, right), FakeClient(wrong, later)
+    attend(mended, delay_s=0.01)
+    attend(lasting, delay_s=0.01)
+    assert mended.said == []
+    assert kinds(lasting) == ["override"]
+    said = lasting.said[0]
+    assert (said["decision"], said["seen_step"], said["text"]) == ("ep-1-2", 40, BREAD)
+
+
+def test_in_real_time_silence_is_consent_unless_told_otherwise() -> None:
+    right = seen(scene(), BREAD, awaits_verdict=False)
+    silent, loud = FakeClient(right), FakeClient(right)
+    attend(silent)
+    attend(loud, approve=True)
+    assert kinds(silent) == []
+    assert kinds(loud) == ["approve"]
+
+
+def test_a_miss_in_real_time_says_nothing_at_all() -> None:
+    client = FakeClient(seen(scene(), CHEESE, awaits_verdict=False))
+    assert attend(client, miss_rate=1.0)["missed"] == 1
+    assert client.said == []
+
+
+def test_a_robot_that_is_gone_is_waited_for() -> None:
+    client = FakeClient(GoneError("no robot"), seen(scene(), BREAD))
+    attend(client)
+    assert kinds(client) == ["approve"]

@@ -1,0 +1,173 @@
+"""The high level: proposals, versions, and fine-tuning that really learns."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from shared.errors import PolicyError
+from shared.goals.language.bank import PhraseBank
+from shared.messages.policy import PolicyAnnouncement, TensorRef, Version
+from shared.policies import examples as many
+from shared.policies.checkpoint import sha256_tensors
+from shared.policies.examples import Examples
+from shared.policies.fit import FitReport, FitSettings, fit
+from shared.policies.high_level import HighLevel
+from shared.policies.high_net import HighLevelNet
+from tests.unit.policies.scenes import COMMANDS, coloured, observation
+from tests.unit.policies.test_checkpoint import card
+
+QUICK = FitSettings(steps=40, batch=24, lr=1e-3, half=False)
+
+
+def high_level(seed: int = 0) -> HighLevel:
+    torch.manual_seed(seed)
+    return HighLevel(HighLevelNet(), PhraseBank.of(COMMANDS), Version(1, 0))
+
+
+def agreement(policy: HighLevel, examples: Examples) -> float:
+    hits = [
+        policy.propose(observation(images, past))[0].goal.text == label
+        for images, past, label in zip(
+            examples.images, examples.previous, examples.labels, strict=True
+        )
+    ]
+    return sum(hits) / len(hits)
+
+
+def learn(policy: HighLevel, corrections: Examples | None, settings: FitSettings) -> FitReport:
+    return fit(policy.net, policy.bank, coloured(60), corrections, settings)
+
+
+def announcement(policy: HighLevel) -> PolicyAnnouncement:
+    refs = [
+        TensorRef(
+            name=name,
+            sha256="0" * 64,
+            dtype=str(value.dtype),
+            shape=value.shape,
+            size_bytes=value.nbytes,
+        )
+        for name, value in policy.tensors().items()
+    ]
+    return PolicyAnnouncement(
+        version=Version(1, 4),
+        learner="one",
+        created_ns=1,
+        tensors=tuple(refs),
+        bank=policy.bank.phrases,
+        low_level_sha256="0" * 64,
+        settings=policy.settings(),
+    )
+
+
+def test_all_of_the_bank_is_proposed_best_first() -> None:
+    proposals = high_level().propose(observation(coloured(1).images[0]))
+    scores = [proposal.score for proposal in proposals]
+    assert {proposal.goal.text for proposal in proposals} == set(COMMANDS)
+    assert scores == sorted(scores, reverse=True)
+    assert sum(scores) == pytest.approx(1.0)
+
+
+def test_a_version_is_rebuilt_from_its_announcement_and_tensors() -> None:
+    policy = high_level()
+    built = HighLevel.build(announcement(policy), policy.tensors())
+    seen = observation(coloured(1).images[0], ("wait",))
+    assert built.version == Version(1, 4)
+    assert built.propose(seen) == policy.propose(seen)
+
+
+def test_tensors_that_were_not_announced_are_refused() -> None:
+    policy = high_level()
+    tensors = policy.tensors()
+    del tensors["name"]
+    with pytest.raises(PolicyError, match="announces tensors"):
+        HighLevel.build(announcement(policy), tensors)
+
+
+def test_settings_of_another_network_are_refused() -> None:
+    policy = high_level()
+    other = announcement(policy).model_copy(update={"settings": {"history": 2, "reading": 96}})
+    with pytest.raises(PolicyError, match="no high level"):
+        HighLevel.build(other, policy.tensors())
+
+
+def test_a_fit_learns_what_corrections_say() -> None:
+    policy, fresh = high_level(), coloured(40, seed=5)
+    report = learn(policy, coloured(40, seed=1), QUICK)
+    assert report.finished
+    assert report.steps == QUICK.steps
+    assert agreement(policy, fresh) > 0.9
+
+
+def test_the_same_seed_gives_the_same_weights_and_another_one_others() -> None:
+    short = QUICK.model_copy(update={"steps": 3})
+    hashes = []
+    for seed in (0, 0, 1):
+        policy = high_level()
+        learn(policy, coloured(20, seed=1), short.model_copy(update={"seed": seed}))
+        hashes.append(sha256_tensors(policy.tensors()))
+    assert hashes[0] == hashes[1] != hashes[2]
+
+
+def test_a_fit_can_be_stopped_early() -> None:
+    told: list[tuple[int, int]] = []
+
+    def stop_at_two(step: int, steps: int, loss: float) -> bool:
+        told.append((step, steps))
+        assert np.isfinite(loss)
+        return step < 2
+
+    policy = high_level()
+    report = fit(policy.net, policy.bank, coloured(20), None, QUICK, stop_at_two)
+    assert told == [(1, 40), (2, 40)]
+    assert not report.finished
+    assert report.steps == 2
+
+
+def test_frozen_eyes_stay_as_they_are() -> None:
+    policy = high_level()
+    before = policy.tensors()
+    learn(policy, None, QUICK.model_copy(update={"steps": 2, "frozen_encoder": True}))
+    after = policy.tensors()
+    changed = {name for name in before if not np.array_equal(before[name], after[name])}
+    assert changed
+    assert not any(name.startswith("eyes") for name in changed)
+
+
+def test_a_label_outside_the_bank_is_refused() -> None:
+    policy, wrong = high_level(), coloured(4)
+    wrong.labels[2] = "wave"
+    with pytest.raises(PolicyError, match="does not hold: wave"):
+        fit(policy.net, policy.bank, wrong, None, QUICK)
+
+
+def test_nothing_to_learn_from_is_refused() -> None:
+    policy, none = high_level(), coloured(3).take([])
+    with pytest.raises(PolicyError, match="nothing to learn from"):
+        fit(policy.net, policy.bank, none, None, QUICK)
+    weightless = coloured(3)
+    weightless.weights[:] = 0
+    with pytest.raises(PolicyError, match="weight 0"):
+        fit(policy.net, policy.bank, weightless, None, QUICK)
+
+
+def test_examples_survive_the_disk_but_for_a_little_jpeg(tmp_path: Path) -> None:
+    examples = coloured(70)
+    many.save(tmp_path, examples, card())
+    again = many.load(tmp_path)
+    assert again.prompts == examples.prompts
+    assert again.previous == examples.previous
+    assert again.labels == examples.labels
+    assert np.array_equal(again.weights, examples.weights)
+    off = np.abs(again.images.astype(int) - examples.images.astype(int))
+    assert again.images.shape == examples.images.shape
+    assert off.mean() < 16
+
+
+def test_examples_of_uneven_lengths_are_refused() -> None:
+    with pytest.raises(PolicyError, match="different lengths"):
+        Examples(
+            np.zeros((2, 2, 64, 64, 3), np.uint8), ["a"], [()], ["wait"], np.ones(1, np.float32)
+        )

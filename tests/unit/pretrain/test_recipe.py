@@ -1,0 +1,169 @@
+"""Practice, demonstrations and the stages that keep them."""
+
+from collections import Counter
+from collections.abc import Callable
+from concurrent.futures import Executor, Future
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import torch
+
+from services.learner.pretrain import practice
+from services.learner.pretrain.demonstrate import Demonstrations, Lesson, demonstrate
+from services.learner.pretrain.low_fit import LowFitSettings, Rows, fit_low, measures, phrases
+from services.learner.pretrain.practice import Steps, practise
+from services.learner.pretrain.replay import choose
+from services.learner.pretrain.scale import LowRound, Scale
+from services.learner.pretrain.stages import Pretraining
+from shared.policies import checkpoint, examples
+from shared.policies.geometry import Geometry
+from shared.policies.high_level import HighLevel
+from shared.policies.low_level import LowLevel
+from shared.policies.low_net import LowNet
+from shared.workcell.skills import COMMANDS
+
+TINY = Scale(
+    low=(LowRound(practice=320, updates=3), LowRound(practice=160, updates=2)),
+    expert_episodes=1,
+    learned_episodes=1,
+    validation_episodes=1,
+    high_updates=3,
+    high_batch=8,
+    high_lr=1e-3,
+    replay=8,
+    chains=1,
+    tasks=1,
+    trials=1,
+)
+
+
+class Here(Executor):
+    """Does each job at once, in this process; `jobs` counts them."""
+
+    def __init__(self) -> None:
+        self.jobs = 0
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        self.jobs += 1
+        future: Future[Any] = Future()
+        future.set_result(fn(*args, **kwargs))
+        return future
+
+
+class Ledger:
+    """Keeps what stages told."""
+
+    def __init__(self) -> None:
+        self.told: dict[str, list[int]] = {}
+
+    def stage(self, name: str, total: int) -> Callable[[int], None]:
+        self.told[name] = [total]
+        return self.told[name].append
+
+
+@pytest.fixture(scope="module")
+def steps() -> Steps:
+    return practise(seed=3, steps=400, folder=None)
+
+
+@pytest.fixture(scope="module")
+def lessons() -> Demonstrations:
+    return demonstrate(Lesson(seeds=(11,)))
+
+
+def test_practice_is_the_experts_word_in_unbroken_runs(steps: Steps) -> None:
+    assert len(steps) == 400
+    assert steps.actions.shape == (len(steps), 14)
+    assert (np.diff(steps.runs) >= 0).all()
+    for run in np.unique(steps.runs):
+        assert len(np.unique(steps.commands[steps.runs == run])) == 1
+
+
+def test_equal_seeds_give_equal_practice(steps: Steps) -> None:
+    again = practise(seed=3, steps=400, folder=None)
+    assert np.array_equal(again.actions, steps.actions)
+
+
+def test_joined_practice_keeps_its_runs_apart(steps: Steps, tmp_path: Path) -> None:
+    steps.save(tmp_path / "steps.safetensors")
+    both = practice.join([steps, Steps.load(tmp_path / "steps.safetensors")])
+    assert len(both) == 2 * len(steps)
+    assert len(np.unique(both.runs)) == 2 * len(np.unique(steps.runs))
+
+
+def test_an_answer_ends_with_its_run(steps: Steps) -> None:
+    rows = Rows(steps, Geometry(measures()), seed=0)
+    _, commands, answers, weights = rows.draw(np.random.default_rng(0), 64)
+    assert answers.shape == (64, 10, 7)
+    assert commands.max() < len(COMMANDS)
+    assert (weights[:, 0] == 1).all()
+    assert (weights.diff(dim=1) <= 0).all()
+
+
+def test_fitting_makes_the_low_level_more_like_the_expert(steps: Steps) -> None:
+    torch.manual_seed(0)
+    losses: list[float] = []
+
+    def listen(step: int, total: int, loss: float) -> bool:
+        losses.append(loss)
+        return step < total
+
+    fit_low(LowNet(Geometry(measures())), steps, LowFitSettings(steps=101, rows=128), listen)
+    assert losses[-1] < 0.75 * losses[0]
+
+
+def test_held_out_paraphrases_are_never_trained_on() -> None:
+    trained, held_out = phrases(), phrases(held_out=True)
+    assert [row[0] for row in trained] == list(COMMANDS)
+    assert all(len(row) == 2 for row in held_out)
+    for kept, row in zip(held_out, trained, strict=True):
+        assert not set(kept) & set(row)
+
+
+def test_a_demonstration_is_labelled_at_every_decision(
+    lessons: Demonstrations, tmp_path: Path
+) -> None:
+    many = lessons.examples
+    assert many.images.shape == (len(many), 2, 64, 64, 3)
+    assert set(many.labels) <= set(COMMANDS)
+    assert many.previous[0] == ()
+    assert [len(past) for past in many.previous[:6]] == [0, 1, 2, 3, 4, 4]
+    assert lessons.status.shape == (len(many), 7)
+    lessons.save(tmp_path / "lessons.safetensors")
+    again = Demonstrations.load(tmp_path / "lessons.safetensors").examples
+    assert (again.previous, again.labels, again.prompts) == (
+        many.previous,
+        many.labels,
+        many.prompts,
+    )
+
+
+def test_replay_prefers_rare_commands(lessons: Demonstrations) -> None:
+    labels = ["wait"] * 90 + ["put it down"] * 10
+    rows = np.zeros(100, int)
+    many = lessons.examples.take(rows)
+    named = examples.Examples(many.images, many.prompts, many.previous, labels, many.weights)
+    chosen = choose(Demonstrations(named, lessons.status[rows], lessons.positions[rows]), 20, 0)
+    assert len(set(chosen)) == 20
+    assert Counter(labels[row] for row in chosen)["put it down"] > 2
+
+
+def test_stages_are_kept_and_not_done_twice(tmp_path: Path) -> None:
+    first, ledger = Here(), Ledger()
+    run = Pretraining(tmp_path, TINY, 0, first, ledger)
+    low_level = run.low_level()
+    lessons = run.demonstrations(low_level)
+    high_level, replay = run.high_level(lessons), run.replay(lessons)
+    assert {"practice 0", "low level 1", "high level"} <= set(ledger.told)
+    assert ledger.told["high level"][-1] == TINY.high_updates
+
+    second = Here()
+    again = Pretraining(tmp_path, TINY, 0, second, Ledger())
+    assert again.high_level(again.demonstrations(again.low_level())) == high_level
+    assert second.jobs == 0
+    assert LowLevel.load(low_level).sha256 == checkpoint.load_card(low_level).tensors_sha256
+    assert HighLevel.load(high_level).bank.phrases == COMMANDS
+    assert len(examples.load(replay)) == TINY.replay
+    assert not list(tmp_path.glob("unfinished-*"))
