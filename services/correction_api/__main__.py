@@ -15,7 +15,6 @@ from shared.config import load_or_exit
 from shared.service import Stop
 from shared.telemetry import set_up
 
-
 SWITCH_S = 0.0005  # A busy thread must not keep a correction waiting for 5 ms.
 
 

@@ -42,7 +42,7 @@ def create_app(settings: ApiSettings, opening: Opening) -> FastAPI:
         description=ABOUT,
         version="1",
         openapi_url=f"{API}/openapi.json",
-        docs_url=None,  # They would load scripts from elsewhere.
+        docs_url=None,  # They would load scripts from elsewhere; the page has its own.
         redoc_url=None,
         lifespan=lifespan,
     )

@@ -100,6 +100,9 @@ class Messenger:
         except HldError as error:
             log.info("no receipt yet", correction=entry.correction.id, reason=str(error))
             return False
+        except Exception:  # A fault of ours: the line of this robot must not stand still for it.
+            log.exception("a correction was not delivered", correction=entry.correction.id)
+            return False
         if closed:
             self._closed(closed)
         return True

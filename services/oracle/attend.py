@@ -8,7 +8,7 @@ from typing import Any
 
 import structlog
 
-from services.oracle.client import Client, GoneError
+from services.oracle.client import Client, GoneError, OverError
 from services.oracle.config import OracleSettings
 from services.oracle.judge import Kind, Verdict, judge
 from services.oracle.seen import Seen
@@ -28,6 +28,7 @@ class Attention:
         self._counts = counts
         self._last: Seen | None = None
         self._attempt = 0
+        self._status = ""
 
     async def attend(self) -> None:
         """Watch until cancelled."""
@@ -45,17 +46,27 @@ class Attention:
         last = self._last
         seen = await self._client.decision(self._robot, last.id if last else None)
         if seen is not None:
-            self._last, self._attempt = seen, 0
+            self._last, self._attempt, self._status = seen, 0, ""
             self._counts["decisions"] += 1
-        elif last is not None and last.awaits_verdict:
-            # It still waits for a word that was lost or refused: say it again, as something new.
+        elif last is not None and await self._unheard(last):
             seen, self._attempt = last, self._attempt + 1
         else:
             return
         if seen.awaits_verdict:
-            await self._say(seen, judge(seen, self._settings), time.time_ns())
+            verdict = judge(seen, self._settings)
+            if self._attempt and verdict.kind is Kind.RELEASE:
+                verdict = Verdict(Kind.OVERRIDE, seen.top)  # Somebody else let go before.
+            await self._say(seen, verdict, time.time_ns())
         else:
             await self._react(seen)
+
+    async def _unheard(self, last: Seen) -> bool:
+        """The robot waits still, since the verdict was lost, refused, or too old when it came."""
+        if not last.awaits_verdict:
+            return False
+        if self._status == "pending":
+            self._status = await self._client.status(self._name(last))
+        return self._status not in ("pending", "in force", "over")
 
     async def _react(self, seen: Seen) -> None:
         """In real time: speak after the reaction time, if there is something to say still."""
@@ -77,13 +88,15 @@ class Attention:
             verdict = Verdict(Kind.PASS)
         name = "missed" if verdict.missed else "wrong" if verdict.wrong else str(verdict.kind)
         try:
-            status = await self._client.say(self._robot, self._body(seen, verdict, begun_ns))
+            body = self._body(seen, verdict, begun_ns)
+            self._status = await self._client.say(self._robot, body)
         except RefusedError as error:
+            self._status = "over" if isinstance(error, OverError) else "refused"
             self._counts["refused"] += 1
             log.info("refused", robot=self._robot, kind=verdict.kind, reason=str(error))
             return
         self._counts[name] += 1
-        log.debug("said", robot=self._robot, kind=verdict.kind, text=verdict.text, status=status)
+        log.debug("said", robot=self._robot, kind=verdict.kind, text=verdict.text)
 
     def _body(self, seen: Seen, verdict: Verdict, begun_ns: int) -> dict[str, Any]:
         body: dict[str, Any] = {

@@ -19,6 +19,10 @@ class GoneError(HldError):
     """The API knows no such robot (any more, or not yet)."""
 
 
+class OverError(RefusedError):
+    """What was said is about an episode that is over; there is nothing to say about it."""
+
+
 class Client:
     """Asks until it is answered: a restart of the API is only a pause. retries: how often."""
 
@@ -55,15 +59,24 @@ class Client:
         return None if answer.status_code == 204 else parse(answer.content)
 
     async def say(self, robot: str, body: dict[str, Any]) -> str:
-        """Say something under the id in `body`; what became of it.
+        """Say something under the id in `body`; what became of it: "in force" or "pending".
 
         Raises:
-            RefusedError: the robot or the API said no.
+            OverError: the episode is over. RefusedError: the robot or the API said no.
         """
         answer = await self._ask("POST", f"robots/{robot}/corrections", json=body)
-        if answer.status_code >= 400:
-            raise RefusedError(answer.json()["detail"])
-        return str(answer.json()["status"])
+        if answer.status_code < 400:
+            return str(answer.json()["status"])
+        problem = answer.json()
+        current = problem.get("current")
+        if current is not None and current.get("episode") != body["episode"]:
+            raise OverError(problem["detail"])
+        raise RefusedError(problem["detail"])
+
+    async def status(self, name: str) -> str:
+        """What has become of what was said under this id; "unknown" when it was never kept."""
+        answer = await self._ask("GET", f"corrections/{name}")
+        return str(answer.json()["status"]) if answer.status_code == 200 else "unknown"
 
     async def close(self) -> None:
         """Ask nothing more."""

@@ -4,6 +4,7 @@ import asyncio
 from functools import partial
 from typing import Annotated
 
+import structlog
 from fastapi import APIRouter, WebSocket, WebSocketDisconnect
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
@@ -18,6 +19,7 @@ MAX_VIEWS = 128
 SUBPROTOCOL = "hld"
 
 router = APIRouter()
+log = structlog.get_logger()
 
 
 class Wanted(BaseModel):
@@ -45,13 +47,19 @@ async def live(socket: WebSocket, parts: PartsDep) -> None:
     client = Client(Bell(asyncio.get_running_loop()), lambda kind: dropped.labels(kind).inc())
     parts.live.join(client)
     _greet(parts, client)
-    sender = asyncio.create_task(_send(socket, client))
+    tasks = [
+        asyncio.create_task(_send(socket, client)),
+        asyncio.create_task(_receive(socket, client, parts)),
+    ]
     try:
-        await _receive(socket, client, parts)
+        await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
     finally:
         parts.live.leave(client)
-        sender.cancel()
-        await asyncio.gather(sender, return_exceptions=True)
+        for task in tasks:
+            task.cancel()
+        for ended in await asyncio.gather(*tasks, return_exceptions=True):
+            if isinstance(ended, Exception) and not isinstance(ended, WebSocketDisconnect):
+                log.error("a page was given up", reason=repr(ended))
 
 
 def _greet(parts: Parts, client: Client) -> None:

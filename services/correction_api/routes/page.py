@@ -1,4 +1,4 @@
-"""The page: its files are read once at the start, and served with their hashes as ETags."""
+"""The page and the list of routes: files read once, served with their hashes as ETags."""
 
 import hashlib
 from collections.abc import Mapping
@@ -16,6 +16,9 @@ MEDIA_TYPES = {
 }
 
 
+NAMED = {"": "index.html", "docs": "docs.html"}
+
+
 class Asset(NamedTuple):
     """One file of the page."""
 
@@ -25,12 +28,13 @@ class Asset(NamedTuple):
 
 
 def make_router() -> APIRouter:
-    """Routes for all files of the page; `/` is `index.html`."""
+    """Routes for all files of the page; `/` is `index.html`, `/docs` is `docs.html`."""
     router = APIRouter(include_in_schema=False)
     assets = dict(_read(files("services.correction_api.page"), ""))
     for name in assets:
         router.add_api_route(f"/{name}", _serving(assets, name), methods=["GET", "HEAD"])
-    router.add_api_route("/", _serving(assets, "index.html"), methods=["GET", "HEAD"])
+    for path, name in NAMED.items():
+        router.add_api_route(f"/{path}", _serving(assets, name), methods=["GET", "HEAD"])
     return router
 
 

@@ -281,3 +281,15 @@ def test_two_people_at_once_are_both_heard_in_the_order_of_the_log(
         thread.join()
     shown = api.get("api/v1/corrections").json()["corrections"]
     assert [heard.id for heard in robot.heard] == [view["correction"]["id"] for view in shown][::-1]
+
+
+def test_a_service_may_want_shorter_words(
+    router: MemoryRouter, robot: FakeRobot, tmp_path: Path
+) -> None:
+    with MemoryBus(router) as bus, running(bus, tmp_path, text_characters=10) as api:
+        eventually(lambda: api.get("api/v1/robots").json()["robots"])
+        answer = say(api)
+        assert answer.status_code == 422
+        assert answer.json()["detail"] == "text: 18 characters are too many; at most 10"
+        assert say(api, {**OVERRIDE, "text": "wait"}).status_code == 201
+    assert len(robot.heard) == 1

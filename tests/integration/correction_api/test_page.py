@@ -42,15 +42,18 @@ def _launch(playwright: Playwright, path: str) -> Browser:
 
 
 @contextmanager
-def opened(browser: Browser, api: httpx.Client, size: tuple[int, int] = SIZES[0]) -> Iterator[Page]:
+def opened(
+    browser: Browser, api: httpx.Client, size: tuple[int, int] = SIZES[0], path: str = ""
+) -> Iterator[Page]:
     """The page; it must not complain, nor ask anybody but its own origin."""
     page = browser.new_page(viewport={"width": size[0], "height": size[1]})
+    page.set_default_timeout(10_000)
     complaints, asked = list[str](), list[str]()
     page.on("pageerror", lambda error: complaints.append(str(error)))
     page.on("console", lambda message: complaints.append(message.text))
     page.on("request", lambda request: asked.append(request.url))
     page.on("websocket", lambda socket: asked.append(socket.url.replace("ws:", "http:")))
-    page.goto(str(api.base_url))
+    page.goto(str(api.base_url.join(path)))
     yield page
     page.close()
     assert complaints == []
@@ -139,3 +142,28 @@ def test_a_refusal_and_a_lost_connection_are_told(
         expect(page.get_by_role("alert")).to_have_text("No connection …")
         page.close()
         robot.close()
+
+
+def test_the_routes_can_be_read_with_their_examples(browser: Browser, api: httpx.Client) -> None:
+    with opened(browser, api, path="docs") as page:
+        expect(page.locator(".route")).to_have_count(11)
+        said = page.locator(".route", has_text="/api/v1/robots/{robot}/corrections")
+        said.locator("summary").click()
+        expect(said.locator("pre").first).to_contain_text('"text": "pick up the cheese"')
+
+
+def test_a_page_of_a_service_with_a_token_asks_for_it_once(
+    browser: Browser, router: MemoryRouter, robot: FakeRobot, tmp_path: Path
+) -> None:
+    token = "0123456789abcdef"
+    with MemoryBus(router) as bus, running(bus, tmp_path, token=token) as api:
+        assert api.get("api/v1/robots").status_code == 401
+        robot.decide()
+        page = browser.new_page()
+        page.goto(str(api.base_url))
+        page.get_by_label("Token of this service").fill(token)
+        page.get_by_role("button", name="Open").click()
+        expect(page.locator("canvas.drawn")).to_have_count(2)
+        page.get_by_role("button", name="Pause").click()
+        expect(page.get_by_role("status")).to_contain_text("in force since step")
+        page.close()

@@ -4,8 +4,10 @@ import asyncio
 from collections import Counter
 from typing import Any
 
+import pytest
+
 from services.oracle.attend import Attention
-from services.oracle.client import GoneError
+from services.oracle.client import GoneError, OverError
 from services.oracle.config import OracleSettings
 from services.oracle.seen import Seen
 from shared.errors import RefusedError
@@ -20,7 +22,8 @@ class FakeClient:
     def __init__(self, *script: Seen | Exception | None) -> None:
         self._script = list(script)
         self.said: list[dict[str, Any]] = []
-        self.answers: list[Exception] = []
+        self.answers: list[Exception | str] = []
+        self.statuses: list[str] = []
 
     async def decision(
         self, robot: str, after: str | None, wait_s: float | None = None
@@ -36,9 +39,14 @@ class FakeClient:
     async def say(self, robot: str, body: dict[str, Any]) -> str:
         del robot
         self.said.append(body)
-        if self.answers:
-            raise self.answers.pop(0)
-        return "in force"
+        answer = self.answers.pop(0) if self.answers else "in force"
+        if isinstance(answer, Exception):
+            raise answer
+        return answer
+
+    async def status(self, name: str) -> str:
+        assert name == self.said[-1]["id"]
+        return self.statuses.pop(0)
 
 
 def attend(client: FakeClient, **settings: Any) -> Counter[str]:
@@ -75,13 +83,22 @@ def test_who_does_not_approve_passes_so_that_the_robot_goes_on() -> None:
     assert kinds(client) == ["pass"]
 
 
-def test_a_verdict_that_was_lost_is_said_again_as_something_new() -> None:
-    client = FakeClient(seen(scene(), BREAD), None, None)
-    client.answers = [RefusedError("the robot gave no receipt")]
+def test_a_verdict_that_did_not_reach_the_robot_is_said_again_as_something_new() -> None:
+    client = FakeClient(seen(scene(), BREAD), None, None, None, None)
+    client.answers = [RefusedError("the robot did not understand"), "pending", "in force"]
+    client.statuses = ["pending", "expired"]
     counts = attend(client)
     assert kinds(client) == ["approve"] * 3
     assert len({body["id"] for body in client.said}) == 3
-    assert counts["refused"] == 1
+    assert (counts["refused"], counts["approve"]) == (1, 2)
+
+
+@pytest.mark.parametrize("answer", ["in force", OverError("the episode is over")])
+def test_a_robot_that_takes_its_time_is_not_told_twice(answer: Exception | str) -> None:
+    client = FakeClient(seen(scene(), CHEESE), None, None)
+    client.answers = [answer]
+    attend(client)
+    assert kinds(client) == ["override"]
 
 
 def test_the_same_decision_gets_the_same_id_from_whoever_sees_it_again() -> None:
