@@ -45,13 +45,13 @@ class FitSettings(Settings):
 
     steps: Annotated[int, Field(ge=1, le=1_000_000)] = 400
     batch: Annotated[int, Field(ge=1, le=4096)] = 64
-    lr: Annotated[float, Field(gt=0, le=1)] = 6e-4
+    lr: Annotated[float, Field(gt=0, le=1)] = 1e-3
     weight_decay: Annotated[float, Field(ge=0, le=1)] = 1e-3
     correction_share: Annotated[float, Field(ge=0, le=1)] = 0.5
     history_dropout: Annotated[float, Field(ge=0, le=1)] = 0.2
-    shift_px: Annotated[int, Field(ge=0, le=16)] = 2
-    brightness: Annotated[float, Field(ge=0, le=1)] = 0.06
-    tint: Annotated[float, Field(ge=0, le=1)] = 0.03
+    shift_px: Annotated[int, Field(ge=0, le=16)] = 3
+    brightness: Annotated[float, Field(ge=0, le=1)] = 0.12
+    tint: Annotated[float, Field(ge=0, le=1)] = 0.05
     noise: Annotated[float, Field(ge=0, le=64)] = 3.0
     frozen_encoder: bool = False
     half: bool | None = None

@@ -66,7 +66,7 @@ SCALES = {
             LowRound(practice=160_000, updates=9_000),
         ),
         expert_episodes=400,
-        learned_episodes=400,
+        learned_episodes=800,
         validation_episodes=40,
         high_updates=6_000,
         high_batch=96,

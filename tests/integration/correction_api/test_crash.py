@@ -23,7 +23,7 @@ from shared.wire.bus import BusSettings, open_bus
 from tests.integration.correction_api.fakes import FakeLearner, FakeRobot
 from tests.integration.correction_api.running import eventually
 
-CYCLES = 4
+CYCLES = 3
 SPEAKERS = 4
 
 

@@ -67,15 +67,6 @@ def test_who_waits_for_a_decision_does_not_hold_up_the_end(
     assert statuses == [204]
 
 
-def test_a_robot_is_unknown_only_after_a_while(router: MemoryRouter, tmp_path: Path) -> None:
-    with MemoryBus(router) as bus, running(bus, tmp_path, watch={"settle_s": 0.5}) as api:
-        early = api.get("api/v1/robots/robot-1")
-        assert early.status_code == 503
-        assert early.headers["Retry-After"] == "1"
-        eventually(lambda: api.get("api/v1/robots/robot-1").status_code == 404)
-        assert api.get("api/v1/robots").json() == {"robots": []}
-
-
 def test_history_is_read_page_by_page(api: httpx.Client) -> None:
     path = "api/v1/robots/robot-1/corrections"
     names = [api.post(path, json={"kind": "pause"}).json()["correction"]["id"] for _ in range(5)]
