@@ -14,7 +14,7 @@ from shared.clock import Clock
 from shared.messages.frame import Frame
 from shared.messages.heartbeat import RobotHeartbeat
 from shared.messages.observation import CAMERAS
-from shared.rollout.robot import Robot
+from shared.rollout.robot import Photographer, Robot
 from shared.rollout.rollout import Rollout
 from shared.wire.bus import Bus, Urgency
 from shared.wire.codec import encode
@@ -93,16 +93,20 @@ class Observer:
                     self._waiting.get_nowait()
 
     def _draw(self) -> None:
+        photographer: Photographer | None = None
         while (moment := self._waiting.get()) is not None:
             try:
+                photographer = photographer or moment.robot.photographer()
                 for camera in moment.cameras:
-                    self._publish(moment, camera)
+                    self._publish(moment, camera, photographer)
             except Exception:  # It must not end the pictures, let alone the robot.
                 log.exception("no picture", robot=self._name)
+        if photographer:
+            photographer.close()
 
-    def _publish(self, moment: _Moment, camera: str) -> None:
+    def _publish(self, moment: _Moment, camera: str, photographer: Photographer) -> None:
         frames = self._frames
-        picture = moment.robot.picture(moment.snapshot, camera, frames.width, frames.height)
+        picture = photographer.picture(moment.snapshot, camera, frames.width, frames.height)
         jpeg = simplejpeg.encode_jpeg(
             np.ascontiguousarray(picture), quality=frames.quality, colorspace="RGB"
         )

@@ -26,7 +26,7 @@ class TrainSettings(Settings):
     start: Literal["in-force", "base"] = "in-force"
     steps: Annotated[int, Field(ge=1, le=1_000_000)] = 400
     batch: Annotated[int, Field(ge=2, le=4096)] = 64
-    lr: Annotated[float, Field(gt=0, le=1)] = 6e-4
+    lr: Annotated[float, Field(gt=0, le=1)] = 1e-3
     frozen_encoder: bool = False
     correction_share: Annotated[float, Field(gt=0, lt=1)] = 0.5
     threads: Annotated[int, Field(ge=1)] = 1

@@ -33,8 +33,9 @@ class Version:
         """
         if isinstance(text, Version):
             return text
-        epoch, dot, number = str(text).partition(".")
-        if not (dot and epoch.isascii() and number.isascii() and epoch.isdecimal() and number.isdecimal()):
+        text = str(text)
+        epoch, dot, number = text.partition(".")
+        if not (dot and text.isascii() and epoch.isdecimal() and number.isdecimal()):
             raise ValueError(f"a version is EPOCH.NUMBER, such as 1.0, not {text!r}")
         return cls(int(epoch), int(number))
 

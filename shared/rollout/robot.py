@@ -35,7 +35,7 @@ class Senses(NamedTuple):
 
 
 class Robot(Protocol):
-    """One robot in its cell. All calls but `picture` come from one thread."""
+    """One robot in its cell. All calls but `photographer` come from one thread."""
 
     action_size: int
 
@@ -52,11 +52,11 @@ class Robot(Protocol):
         ...
 
     def snapshot(self) -> Any:
-        """This moment, as `picture` needs it; cheap, since the control loop waits for it."""
+        """This moment, as a photographer needs it; cheap, since the control loop waits for it."""
         ...
 
-    def picture(self, snapshot: Any, camera: str, width: int, height: int) -> NDArray[np.uint8]:
-        """A picture for people, [height, width, 3] uint8; called from a thread of its own."""
+    def photographer(self) -> "Photographer":
+        """Who makes pictures for people; made in, used in and closed in a thread of its own."""
         ...
 
     def truth(self) -> dict[str, Any]:
@@ -72,6 +72,18 @@ class Robot(Protocol):
 
     def close(self) -> None:
         """Give everything back."""
+        ...
+
+
+class Photographer(Protocol):
+    """Makes pictures for people, beside the control loop."""
+
+    def picture(self, snapshot: Any, camera: str, width: int, height: int) -> NDArray[np.uint8]:
+        """What `camera` saw at a robot's `snapshot`, [height, width, 3] uint8."""
+        ...
+
+    def close(self) -> None:
+        """Make no more pictures."""
         ...
 
 

@@ -17,7 +17,6 @@ class Station:
 
     def __init__(self, site: Site | str) -> None:
         self._env = WorkcellEnv(site, max_steps=1 << 30)
-        self._studio: Studio | None = None
 
     def reset(self, seed: int, task: str, prompt: str | None) -> Scene:
         """See `Robot.reset`.
@@ -39,10 +38,8 @@ class Station:
     def snapshot(self) -> np.ndarray:
         return self._env.cell.snapshot()
 
-    def picture(self, snapshot: np.ndarray, camera: str, width: int, height: int) -> np.ndarray:
-        if self._studio is None:
-            self._studio = Studio(self._env.cell.site)
-        return self._studio.picture(snapshot, camera, width, height)
+    def photographer(self) -> Studio:
+        return Studio(self._env.cell.site)
 
     def truth(self) -> dict[str, Any]:
         return self._env.state.to_json()

@@ -21,9 +21,9 @@ class Studio:
         self._data = mujoco.MjData(self._model)
         self._eyes: dict[tuple[int, int], Eye] = {}
 
-    def picture(self, positions: np.ndarray, camera: str, width: int, height: int) -> np.ndarray:
-        """What `camera` sees with all joints at `positions` (qpos), [height, width, 3] uint8."""
-        self._data.qpos[:] = positions
+    def picture(self, snapshot: np.ndarray, camera: str, width: int, height: int) -> np.ndarray:
+        """What `camera` sees at a `snapshot` of the cell, [height, width, 3] uint8."""
+        self._data.qpos[:] = snapshot
         mujoco.mj_kinematics(self._model, self._data)
         mujoco.mj_camlight(self._model, self._data)
         size = (width, height)

@@ -47,7 +47,7 @@ HOMES = {
     "fastapi": {"services.correction_api"},
     "starlette": {"services.correction_api"},
     "uvicorn": {"services.correction_api"},
-    "torch": {"shared.goals", "shared.policies", "shared.rollout", "services.learner", "services.actor"},
+    "torch": {"shared.goals", "shared.policies", "services.learner", "services.actor"},
     "httpx": {"services.oracle", "deploy"},
     "pickle": set(),
     "cloudpickle": set(),
