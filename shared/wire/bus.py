@@ -7,14 +7,14 @@ between processes, `MemoryBus` within one.
 from collections.abc import Callable
 from enum import StrEnum
 from pathlib import Path
-from types import TracebackType
-from typing import Annotated, Protocol, Self
+from typing import Annotated, Protocol
 
 from pydantic import Field, SecretStr
 
 from shared.config import Settings
 from shared.errors import MessageError
 from shared.messages.message import Id
+from shared.wire.closing import Closing
 from shared.wire.codec import MAX_BYTES
 
 Handler = Callable[[str, bytes], None]
@@ -45,7 +45,7 @@ class Subscription(Protocol):
         ...
 
 
-class Bus(Protocol):
+class Bus(Closing, Protocol):
     """A place where services speak by messages. All methods may be called from any thread.
 
     Handlers run in a thread of their subscription's own, one message at a time, from a bounded
@@ -141,15 +141,6 @@ class Bus(Protocol):
     def close(self) -> None:
         """End everything that was asked of this bus; closing twice is fine."""
         ...
-
-    def __enter__(self) -> Self: ...
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None: ...
 
 
 class BusSettings(Settings):

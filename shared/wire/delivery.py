@@ -5,14 +5,13 @@ the next one leaves only when the one before was answered.
 """
 
 import threading
-from types import TracebackType
-from typing import Self
 
 import structlog
 
 from shared.clock import Clock
 from shared.errors import MessageError, NoAnswerError, RefusedError
 from shared.wire.bus import INTERNAL_ERROR, Bus, Urgency
+from shared.wire.closing import Closing
 from shared.wire.outbox import OutboxLike, Parcel
 
 OK = b"ok"
@@ -24,7 +23,7 @@ _PATIENCE = 30  # tries of a parcel that breaks the receiver: about a minute
 _LOOK_S = 0.05  # how often a waiting courier looks at its clock
 
 
-class Courier:
+class Courier(Closing):
     """A thread that empties an outbox over the bus, oldest first.
 
     Answered `ok`: done. Refused: kept aside with the reason, counted, and the next one leaves.
@@ -86,17 +85,6 @@ class Courier:
             self._changed.notify_all()
         if self._thread is not threading.current_thread():
             self._thread.join()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def _run(self) -> None:
         while self._wait_for_work():

@@ -3,8 +3,7 @@
 import threading
 import time
 from collections.abc import Callable
-from types import TracebackType
-from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import structlog
 
@@ -19,6 +18,7 @@ from shared.wire.bus import (
     Urgency,
     check_payload,
 )
+from shared.wire.closing import Closing
 from shared.wire.hub import MemoryRouter, MemorySubscription
 from shared.wire.worker import Worker
 
@@ -29,7 +29,7 @@ class _Question(NamedTuple):
     answer: Callable[[bytes | None, str | None], None]
 
 
-class MemoryBus:
+class MemoryBus(Closing):
     """`Bus` over a `MemoryRouter`; without one given it is alone."""
 
     def __init__(self, router: MemoryRouter | None = None) -> None:
@@ -147,17 +147,6 @@ class MemoryBus:
             self._router.forget(key, self)
         for key in self._tokens:
             self._router.live(key, -1)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def _add(self, kind: str, keys: str, worker: Worker[Any]) -> MemorySubscription:
         try:

@@ -4,8 +4,9 @@ import sqlite3
 import threading
 from collections.abc import Sequence
 from pathlib import Path
-from types import TracebackType
-from typing import NamedTuple, Protocol, Self
+from typing import NamedTuple, Protocol
+
+from shared.wire.closing import Closing
 
 SCHEMA = """
 CREATE TABLE IF NOT EXISTS parcels (
@@ -60,7 +61,7 @@ class OutboxLike(Protocol):
         ...
 
 
-class Outbox:
+class Outbox(Closing):
     """An `OutboxLike` in a SQLite file of its own. Any thread may call; each change is on disk
     when the call returns (a flush: about a millisecond, up to 20 on a busy disk)."""
 
@@ -128,14 +129,3 @@ class Outbox:
         """Close the file; what waits is there when it is opened again."""
         with self._lock:
             self._store.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()

@@ -1,16 +1,14 @@
 """The router: the one process through which all others speak; it keeps nothing."""
 
-from types import TracebackType
-from typing import Self
-
 import structlog
 import zenoh
 
 from shared.errors import ConfigError
+from shared.wire.closing import Closing
 from shared.wire.link import RouterSettings, router_config
 
 
-class Router:
+class Router(Closing):
     """A Zenoh session in router mode, listening from the moment it is made.
 
     Raises:
@@ -28,14 +26,3 @@ class Router:
     def close(self) -> None:
         """Stop listening; clients notice at once and look for the next one."""
         self._session.close()  # type: ignore[no-untyped-call]  # Zenoh's stub has no types here.
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()

@@ -7,8 +7,7 @@ declared then; after a lost connection Zenoh itself declares it again.
 
 import contextlib
 import threading
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 import structlog
 import zenoh
@@ -24,6 +23,7 @@ from shared.wire.bus import (
     Urgency,
     check_payload,
 )
+from shared.wire.closing import Closing
 from shared.wire.entry import Declare, Entry
 from shared.wire.kept import Followed, Kept
 from shared.wire.keys import check_key, check_pattern
@@ -35,7 +35,7 @@ _GOODBYE_S = 2.0
 _COMPLAIN_EVERY = 20  # tries, so about every 12 s
 
 
-class ZenohBus:
+class ZenohBus(Closing):
     """`Bus` over Zenoh. Open it by `shared.wire.bus.open_bus`, and always close it."""
 
     def __init__(self, settings: BusSettings) -> None:
@@ -183,17 +183,6 @@ class ZenohBus:
             session, self._session = self._session, None
         if session is not None:
             self._leave(session)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def _join(self) -> None:
         tries = 0

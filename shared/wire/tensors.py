@@ -9,12 +9,11 @@ import threading
 import time
 from collections import OrderedDict
 from collections.abc import Iterable, Mapping
-from types import TracebackType
-from typing import Self
 
 from shared.errors import MessageError, NoAnswerError, RefusedError
 from shared.messages.policy import TensorRef
 from shared.wire.bus import Bus, Urgency
+from shared.wire.closing import Closing
 from shared.wire.keys import ANY, chunk_key, parse_chunk
 
 CHUNK_BYTES = 1 << 20
@@ -35,7 +34,7 @@ def chunk_size(size_bytes: int, index: int) -> int:
     return max(0, min(CHUNK_BYTES, size_bytes - index * CHUNK_BYTES))
 
 
-class TensorPublisher:
+class TensorPublisher(Closing):
     """The learner's side: pushes tensors, and answers for those of the last two publications
     (so that a slow robot can still finish the one before)."""
 
@@ -62,17 +61,6 @@ class TensorPublisher:
         """Stop answering."""
         self._subscription.close()
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
-
     def _push(self, name: str, data: bytes) -> None:
         for index in range(chunk_count(len(data))):
             key = chunk_key(self._prefix, name, index)
@@ -87,7 +75,7 @@ class TensorPublisher:
         return _cut(data, index)
 
 
-class TensorFetcher:
+class TensorFetcher(Closing):
     """The actor's side: gathers what is pushed, and asks for the rest.
 
     prefix: as the publisher's; `any_service(fleet, "learner", "tensor")` hears any learner.
@@ -125,17 +113,6 @@ class TensorFetcher:
     def close(self) -> None:
         """Stop gathering."""
         self._subscription.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def _gather(self, name: str, size: int, deadline: float) -> bytes:
         while True:
