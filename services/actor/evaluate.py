@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import torch
-from shared.policies.high_level import HighLevel
 
 from services.actor.build import make_robot
 from shared.clock import SystemClock
@@ -22,6 +21,7 @@ from shared.messages.goal import Goal
 from shared.messages.observation import Observation
 from shared.messages.policy import Version
 from shared.policies.checkpoint import bundled
+from shared.policies.high_level import HighLevel
 from shared.policies.low_level import LowLevel
 from shared.rollout import robot as seams
 from shared.rollout.rollout import Rollout
