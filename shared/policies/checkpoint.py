@@ -154,7 +154,8 @@ def describe(card: Card, tensors: Mapping[str, NDArray[Any]]) -> str:
             "## How it was made",
             *(f"{row}. {sentence}" for row, sentence in enumerate(card.recipe, 1)),
             "",
-            f"Made again with `{card.command}` (seed {card.seed}).",
+            f"The recipe is followed by `{card.command}` (seed {card.seed}); floats differ between "
+            "processors, so another machine makes its like and not the same bytes.",
             f"Data sha256 `{card.data_sha256}`, tensors sha256 `{card.tensors_sha256}`.",
             *(
                 ["", "## What it can't do", *(f"- {limit}" for limit in card.limits)]

@@ -1,6 +1,6 @@
 // The head of the page: the learner, and how often each version succeeds.
 import { html } from "./html.js";
-import { setAuthor, state, touch } from "./store.js";
+import { setName, state, touch } from "./store.js";
 
 export function Fleet() {
   return html`
@@ -15,8 +15,8 @@ export function Fleet() {
             name="author"
             size="9"
             maxlength="64"
-            value=${state.author}
-            onChange=${(event) => setAuthor(event.target.value)}
+            value=${state.name}
+            onInput=${(event) => setName(event.target.value)}
           />
         </label>
         <label title="1–9, y, r, / and Esc act on the robot in focus">

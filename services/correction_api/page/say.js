@@ -1,7 +1,7 @@
 // Saying something: it goes out under an id of its own, so that it can be sent again safely.
 import { newId, post, Problem } from "./api.js";
 import { seenStep } from "./pictures.js";
-import { hearCorrection, state, touch } from "./store.js";
+import { author, hearCorrection, state, touch } from "./store.js";
 
 const GIVE_UP_MS = 10_000;
 const PAUSE_MS = 500;
@@ -12,7 +12,7 @@ export async function say(robot, words, begunMs = Date.now()) {
   const body = {
     ...words,
     id: newId(),
-    author: state.author,
+    author: author(),
     begun_ns: begunMs * 1_000_000,
     seen_step: seenStep(robot) ?? decision?.step ?? null,
     ...(decision && { decision: decision.id }),

@@ -11,7 +11,7 @@ export const state = {
   locked: false,
   keys: true,
   focused: null,
-  author: localStorage.getItem(AUTHOR) ?? "person",
+  name: localStorage.getItem(AUTHOR) ?? "person", // as it was typed; see `author`
   robots: {},
   learner: null,
   tally: [],
@@ -34,11 +34,16 @@ export function touch() {
   });
 }
 
-export function setAuthor(name) {
-  state.author = name.toLowerCase().replace(/[^a-z0-9-]+/g, "-").slice(0, 64) || "person";
-  localStorage.setItem(AUTHOR, state.author);
+/** Kept at every key stroke: the page is drawn anew several times a second. */
+export function setName(name) {
+  state.name = name;
+  localStorage.setItem(AUTHOR, name);
   touch();
 }
+
+/** Under which id this person's corrections go. */
+export const author = () =>
+  state.name.toLowerCase().replace(/[^a-z0-9-]+/g, "-").slice(0, 64) || "person";
 
 /** Take in a message of the WebSocket. */
 export function hear(message) {
