@@ -94,14 +94,15 @@ class Board:
         """Versions above, robots below."""
         return Group(
             Text(f"\npage: {self.url}", style="bold"),
-            self._version_table(judging),
+            self.version_table(judging),
             self._robot_table(),
             Text(self._status(family), style="dim"),
         )
 
-    def _version_table(self, judging: Judging) -> Table:
+    def version_table(self, judging: Judging) -> Table:
+        """By version: its episodes with corrections, and what an evaluation without found."""
         table = Table(title="high level", title_justify="left")
-        for column in ("version", "episodes", "succeeded", "corrections", "evaluated", "95 %"):
+        for column in ("version", "episodes", "corrections", "success, corrected", "success alone"):
             table.add_column(column, justify="right")
         tallies = self.tally()
         for version in sorted(set(tallies) | set(judging.found), key=_order):
@@ -114,10 +115,13 @@ class Board:
             table.add_row(
                 version,
                 str(tally.episodes or ""),
-                shown,
                 str(tally.corrections or ""),
-                f"{found['success']:.2f} of {found['n']}" if found else "",
-                "{:.2f}–{:.2f}".format(*found["interval"]) if found else "",
+                shown,
+                "{:.2f} ({:.2f}–{:.2f}), n = {}".format(
+                    found["success"], *found["interval"], found["n"]
+                )
+                if found
+                else "",
             )
         return table
 

@@ -14,14 +14,14 @@ from shared.errors import HldError
 class Judging:
     """A queue of high levels to be evaluated, and what was found.
 
-    found: by name, the summaries that `hld evaluate` wrote.
+    found: by name, the summaries that `hld evaluate` wrote. processes: of the next evaluation.
     """
 
     def __init__(
         self, folder: Path, site: str, tasks: tuple[str, ...], episodes: int, processes: int = 1
     ) -> None:
         self._folder, self._site, self._tasks = folder, site, tasks
-        self.episodes, self._processes = episodes, processes
+        self.episodes, self.processes = episodes, processes
         self._wanted: queue.Queue[tuple[str, str]] = queue.Queue()
         self._known: set[str] = set()
         self._process: subprocess.Popen[bytes] | None = None
@@ -61,7 +61,7 @@ class Judging:
             *(sys.executable, "-m", "services.actor.judge", "--high-level", high_level),
             *("--site", self._site, "--tasks", ",".join(self._tasks)),
             *("--episodes", str(self.episodes), "--report", str(report)),
-            *("--processes", str(self._processes)),
+            *("--processes", str(self.processes)),
         ]
         with log.open("ab") as file:
             self._process = subprocess.Popen(

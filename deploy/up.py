@@ -1,5 +1,6 @@
 """`hld up`: the whole loop on one machine, watched, evaluated and ended in good order."""
 
+import os
 import signal
 import threading
 import time
@@ -170,6 +171,7 @@ def watch(
                     judging.want(version, str(folder))
             if plan.rounds and len(board.versions()) > plan.rounds:
                 family.retire("oracle", "actor")  # Nothing more is to be learned from them.
+                judging.processes = os.cpu_count() or 1
             report.write()
             if console.is_terminal:
                 live.update(board.table(judging, family), refresh=True)
@@ -178,7 +180,7 @@ def watch(
                 print(board.line(judging), flush=True)
             if plan.rounds and report.complete():
                 break
-    console.print(board.table(judging, family))
+    console.print(board.version_table(judging))
     if report.path:
         console.print(f"report: {report.path}, plot: {report.plot()}")
 

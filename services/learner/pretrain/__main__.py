@@ -14,7 +14,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from services.learner.pretrain.figures import examine
 from services.learner.pretrain.scale import SCALES
-from services.learner.pretrain.stages import Pretraining
+from services.learner.pretrain.stages import Pretraining, leave_signals
 from shared.errors import HldError, nearest
 
 app = typer.Typer(add_completion=False)
@@ -64,7 +64,7 @@ def _pretrain(out: Path, scale: str, seed: int, workers: int, console: Console) 
     spawn = multiprocessing.get_context("spawn")
     with (
         Progress(*columns, TimeRemainingColumn(), console=console) as progress,
-        ProcessPoolExecutor(workers, mp_context=spawn) as pool,
+        ProcessPoolExecutor(workers, mp_context=spawn, initializer=leave_signals) as pool,
     ):
         try:
             run = Pretraining(out, SCALES[scale], seed, pool, Bars(progress))
@@ -75,6 +75,8 @@ def _pretrain(out: Path, scale: str, seed: int, workers: int, console: Console) 
             examine(run, low_level, high_level)
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
+            for child in multiprocessing.active_children():
+                child.terminate()  # A piece of practice takes minutes, and would be thrown away.
             raise
     console.print(f"checkpoints: {out}/low_level, {out}/high_level, {out}/demonstrations")
 
