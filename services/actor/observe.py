@@ -1,7 +1,9 @@
 """Observe: tell the fleet what a robot does, and show pictures while somebody watches."""
 
 import contextlib
+import os
 import queue
+import sys
 import threading
 from typing import Any, NamedTuple
 
@@ -93,6 +95,8 @@ class Observer:
                     self._waiting.get_nowait()
 
     def _draw(self) -> None:
+        if sys.platform == "linux":  # There a thread has a priority of its own: the robot first.
+            os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), 10)
         photographer: Photographer | None = None
         while (moment := self._waiting.get()) is not None:
             try:
