@@ -17,11 +17,26 @@ TIMEOUT_S = 2.0
 
 
 class Tally(NamedTuple):
-    """What was seen of one version at work."""
+    """What was seen of one version at work; `corrections` are overrides."""
 
     episodes: int = 0
     successes: int = 0
     corrections: int = 0
+
+
+class Made(NamedTuple):
+    """A version that the learner has put on its shelf.
+
+    episodes, corrections: new in the round that made it. labels: decisions that it learned from,
+    of all rounds; held_out: those that the gate kept aside.
+    """
+
+    name: str
+    folder: Path
+    episodes: int = 0
+    corrections: int = 0
+    labels: int = 0
+    held_out: int = 0
 
 
 class Board:
@@ -31,7 +46,8 @@ class Board:
         self.url = url
         self._versions = versions
         self._http = httpx.Client(base_url=f"{url}/api/v1", timeout=TIMEOUT_S)
-        self._episodes: dict[str, dict[str, Any]] = {}
+        self._tally: dict[str, Tally] = {}
+        self._hashes: dict[str, set[str]] = {}
         self.robots: list[dict[str, Any]] = []
         self.learner: dict[str, Any] = {}
         self.reachable = False
@@ -41,8 +57,12 @@ class Board:
         try:
             self.robots = self._get("/robots")["robots"]
             self.learner = self._get("/learner") or {}
-            for episode in self._get("/episodes?limit=200")["episodes"]:
-                self._episodes[episode["id"]] = episode
+            seen = self._get("/episodes?limit=50")
+            for row in seen["tally"]:
+                self._tally[row.pop("version")] = Tally(**row)
+            for episode in seen["episodes"]:
+                found = self._hashes.setdefault(episode["version"], set())
+                found.add(episode["low_level_sha256"])
             self.reachable = True
         except (httpx.HTTPError, json.JSONDecodeError):
             self.reachable = False
@@ -52,32 +72,26 @@ class Board:
         answer.raise_for_status()
         return answer.json() if answer.content else None
 
-    def versions(self) -> list[tuple[str, Path]]:
-        """The versions that the learner has published, oldest first, with their checkpoints.
+    def versions(self) -> list[Made]:
+        """The versions that the learner has published, oldest first.
 
         A learner that takes over announces the same weights anew under its epoch: only the
         number tells them apart.
         """
-        found: dict[int, tuple[int, Path]] = {}
-        for card in self._versions.glob("*/card.json"):
-            epoch, number = map(int, card.parent.name.split("."))
-            if number not in found or epoch < found[number][0]:
-                found[number] = (epoch, card.parent)
-        return [(path.name, path) for _, (_, path) in sorted(found.items())]
+        found: dict[int, Path] = {}
+        for card in sorted(self._versions.glob("*/card.json")):
+            found.setdefault(int(card.parent.name.partition(".")[2]), card.parent)
+        return [_made(path) for _, path in sorted(found.items())]
 
     def tally(self) -> dict[str, Tally]:
-        """By version: episodes that ended, how many succeeded, and corrections."""
-        tallies: dict[str, Tally] = {}
-        for episode in self._episodes.values():
-            if episode["outcome"] == "aborted":
-                continue
-            old = tallies.get(episode["version"], Tally())
-            tallies[episode["version"]] = Tally(
-                old.episodes + 1,
-                old.successes + (episode["outcome"] == "success"),
-                old.corrections + episode["corrections"],
-            )
-        return tallies
+        """By version as robots ran it: episodes that ended, how many succeeded, corrections."""
+        return dict(self._tally)
+
+    def low_level(self, number: str) -> set[str]:
+        """The low levels, by their hash in the robots' memory, under versions of this number."""
+        return set().union(
+            *(found for name, found in self._hashes.items() if name.partition(".")[2] == number)
+        )
 
     def line(self, judging: Judging) -> str:
         """One line for a log."""
@@ -102,27 +116,23 @@ class Board:
     def version_table(self, judging: Judging) -> Table:
         """By version: its episodes with corrections, and what an evaluation without found."""
         table = Table(title="high level", title_justify="left")
-        for column in ("version", "episodes", "corrections", "success, corrected", "success alone"):
+        columns = (
+            "version",
+            "episodes",
+            "corrections",
+            "an episode",
+            "success, corrected",
+            "alone",
+        )
+        for column in columns:
             table.add_column(column, justify="right")
-        tallies = self.tally()
-        for version in sorted(set(tallies) | set(judging.found), key=_order):
-            tally = tallies.get(version, Tally())
-            shown = f"{tally.successes}" if tally.episodes else ""
-            if tally.episodes:
-                low, high = wilson(tally.successes, tally.episodes)
-                shown = f"{tally.successes / tally.episodes:.2f} ({low:.2f}–{high:.2f})"
-            found = judging.found.get(version)
-            table.add_row(
-                version,
-                str(tally.episodes or ""),
-                str(tally.corrections or ""),
-                shown,
-                "{:.2f} ({:.2f}–{:.2f}), n = {}".format(
-                    found["success"], *found["interval"], found["n"]
-                )
-                if found
-                else "",
-            )
+        numbers = sorted({_number(name) for name in (*self._tally, *judging.found)})
+        for number in numbers:
+            names = [name for name in self._tally if _number(name) == number]
+            tally = Tally(*map(sum, zip(*(self._tally[name] for name in names), strict=True)))
+            judged = next((row for n, row in judging.found.items() if _number(n) == number), None)
+            name = "oracle" if number < 0 else min(names, default=f"1.{number}")
+            table.add_row(name, *_work(tally), _rate(judged))
         return table
 
     def _robot_table(self) -> Table:
@@ -138,7 +148,7 @@ class Board:
                 str(robot.get("number", "")),
                 str(robot.get("step", "")),
                 str(robot.get("state", "")),
-                str(robot.get("prompt") or ""),
+                Text(str(robot.get("prompt") or "")),
                 Text(command, style="yellow" if corrected and command else ""),
             )
         return table
@@ -151,6 +161,43 @@ class Board:
         return f"learner: {state}{reason}{tail}   Ctrl-C ends"
 
 
-def _order(version: str) -> tuple[int, int, str]:
-    epoch, dot, number = version.partition(".")
-    return (int(epoch), int(number), "") if dot and epoch.isdigit() else (-1, 0, version)
+def _made(folder: Path) -> Made:
+    """What the learner wrote beside a checkpoint; the base was made by no round."""
+    file = folder / "round.json"
+    if not file.exists():
+        return Made(folder.name, folder)
+    told = json.loads(file.read_text())
+    manifest, figures = told["manifest"], told["figures"]
+    return Made(
+        folder.name,
+        folder,
+        manifest["episodes"],
+        manifest["corrections"],
+        figures["labels"],
+        figures["held_out"],
+    )
+
+
+def _number(version: str) -> int:
+    """The second half of a version; -1 for the oracle, which has none."""
+    number = version.partition(".")[2]
+    return int(number) if number.isdigit() else -1
+
+
+def _work(tally: Tally) -> tuple[str, str, str, str]:
+    if not tally.episodes:
+        return ("", "", "", "")
+    low, high = wilson(tally.successes, tally.episodes)
+    return (
+        str(tally.episodes),
+        str(tally.corrections),
+        f"{tally.corrections / tally.episodes:.1f}",
+        f"{tally.successes / tally.episodes:.2f} ({low:.2f}–{high:.2f})",
+    )
+
+
+def _rate(judged: dict[str, Any] | None) -> str:
+    if not judged:
+        return ""
+    low, high = judged["interval"]
+    return f"{judged['success']:.2f} ({low:.2f}–{high:.2f}), n = {judged['n']}"

@@ -13,7 +13,8 @@ from shared.errors import HldError
 
 GRACE_S = 15.0
 BACKOFF_S = (0.5, 1.0, 2.0, 5.0, 10.0)
-STEADY_S = 60.0  # Who ran that long before dying begins the backoff anew.
+STEADY_S = 20.0  # Who ran that long before dying begins the backoff anew.
+PATIENCE = 6  # Quick deaths in a row after which nobody believes in a next try.
 
 
 class ChildError(HldError):
@@ -30,6 +31,7 @@ class Child:
         self._deaths = 0
         self._born = 0.0
         self._restart_at = 0.0
+        self._told = 0  # The log up to there is of earlier runs.
         self.restarts = 0
 
     @property
@@ -44,6 +46,7 @@ class Child:
     def start(self, environment: Mapping[str, str] = os.environ) -> None:
         """Begin, in a session of its own, so that Ctrl-C reaches only who supervises."""
         self._born = time.monotonic()
+        self._told = self.log.stat().st_size if self.log.exists() else 0
         supervised = {**environment, "HLD_SUPERVISOR_PID": str(os.getpid())}
         with self.log.open("ab") as log:
             self._process = subprocess.Popen(
@@ -56,10 +59,11 @@ class Child:
             )
 
     def mind(self) -> None:
-        """Start it again when it has died, later each time; a wrong configuration is final.
+        """Start it again when it has died, later each time.
 
         Raises:
-            ChildError: it ended with exit code 2, which no restart can mend.
+            ChildError: it ended with exit code 2, a wrong configuration that no restart can mend,
+                or it died `PATIENCE` times in a row soon after it was started.
         """
         if self.running:
             return
@@ -68,7 +72,9 @@ class Child:
         if code == 2:
             raise ChildError(f"{self.name} cannot start:\n{self.tail()}")
         if not self._restart_at:
-            self._deaths = 0 if now - self._born > STEADY_S else self._deaths + 1
+            self._deaths = 1 if now - self._born > STEADY_S else self._deaths + 1
+            if self._deaths >= PATIENCE:
+                raise ChildError(f"{self.name} died {PATIENCE} times in a row:\n{self.tail()}")
             self._restart_at = now + BACKOFF_S[min(self._deaths, len(BACKOFF_S)) - 1]
         elif now >= self._restart_at:
             self._restart_at = 0.0
@@ -93,8 +99,9 @@ class Child:
             return False
 
     def tail(self, lines: int = 12) -> str:
-        """The end of its log."""
-        return "\n".join(self.log.read_text(errors="replace").splitlines()[-lines:])
+        """The end of what it has logged since it was last started."""
+        told = self.log.read_bytes()[self._told :].decode(errors="replace")
+        return "\n".join(line[:400] for line in told.splitlines()[-lines:])
 
 
 class Family:

@@ -1,6 +1,7 @@
 """Evaluations beside the running loop: one after the other, each a process of its own."""
 
 import json
+import os
 import queue
 import subprocess
 import sys
@@ -18,10 +19,16 @@ class Judging:
     """
 
     def __init__(
-        self, folder: Path, site: str, tasks: tuple[str, ...], episodes: int, processes: int = 1
+        self,
+        folder: Path,
+        site: str,
+        tasks: tuple[str, ...],
+        episodes: int,
+        extra: tuple[str, ...] = (),
     ) -> None:
+        """extra: further options of `hld evaluate`."""
         self._folder, self._site, self._tasks = folder, site, tasks
-        self.episodes, self.processes = episodes, processes
+        self.episodes, self.processes, self._extra = episodes, 1, extra
         self._wanted: queue.Queue[tuple[str, str]] = queue.Queue()
         self._known: set[str] = set()
         self._process: subprocess.Popen[bytes] | None = None
@@ -62,10 +69,15 @@ class Judging:
             *("--site", self._site, "--tasks", ",".join(self._tasks)),
             *("--episodes", str(self.episodes), "--report", str(report)),
             *("--processes", str(self.processes)),
+            *self._extra,
         ]
         with log.open("ab") as file:
             self._process = subprocess.Popen(
-                command, stdout=file, stderr=subprocess.STDOUT, start_new_session=True
+                command,
+                stdout=file,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+                env={**os.environ, "HLD_SUPERVISOR_PID": str(os.getpid())},
             )
             code = self._process.wait()
         if self._closed:

@@ -5,7 +5,7 @@ import os
 from pathlib import Path
 from typing import Any
 
-from deploy.board import Board, Tally
+from deploy.board import Board
 from deploy.judging import Judging
 from shared.errors import HldError
 
@@ -13,8 +13,9 @@ from shared.errors import HldError
 class Report:
     """Written anew whenever there is more to say, so that a broken-off run has one, too.
 
-    schema 1: `versions[0]` is the base; `episodes` and `corrections` of a version are all that
-    it has learned from, so they grow from row to row.
+    schema 1: `versions[0]` is the base. `episodes` and `corrections` of a version are those of
+    all rounds up to it, so they grow from row to row; `labels` are the decisions that it learned
+    from, `held_out` those that the gate kept aside. `complete`: all was done that was asked for.
     """
 
     def __init__(
@@ -44,11 +45,12 @@ class Report:
         ):
             reason = learner.get("reason") or "see its log"
             raise HldError(f"not every one of {self._rounds} rounds made a version: {reason}")
-        if len(versions) <= self._rounds:
-            return False
-        return not self._judging.episodes or {"oracle", *(n for n, _ in versions)} <= set(
-            self._judging.found
-        )
+        return self._done()
+
+    def _done(self) -> bool:
+        versions = self._board.versions()
+        wanted = {"oracle", *(made.name for made in versions)} if self._judging.episodes else set()
+        return 0 < self._rounds < len(versions) and wanted <= set(self._judging.found)
 
     def write(self) -> None:
         """Write the report, if there is a file for it and something has changed."""
@@ -63,34 +65,42 @@ class Report:
 
     def content(self) -> dict[str, Any]:
         """What is known so far."""
-        found = self._judging.found
-        hashes = [row["low_level_sha256"] for row in found.values()]
-        oracle = found.get("oracle")
+        oracle = self._judging.found.get("oracle")
         return {
             "schema": 1,
+            "complete": self._done(),
             "tasks": list(self._tasks),
             "site": self._site,
-            "low_level_sha256": {"before": hashes[0], "after": hashes[-1]} if hashes else None,
+            "low_level_sha256": self._low_level(),
             "oracle": _figures(oracle) if oracle else None,
-            "versions": self._versions(),
+            "versions": self._rows(),
         }
 
-    def _versions(self) -> list[dict[str, Any]]:
-        rows, learned = [], Tally()
-        tallies = self._board.tally()
-        for name, _ in self._board.versions():
+    def _low_level(self) -> dict[str, str]:
+        """The low level under the base and under the newest version, hashed in the memory of the
+        robots and evaluations that ran it; several hashes would stand side by side."""
+        names = [made.name for made in self._board.versions()] or [""]
+        told = {}
+        for moment, name in (("before", names[0]), ("after", names[-1])):
+            judged = self._judging.found.get(name, {}).get("low_level_sha256", [])
+            found = self._board.low_level(name.partition(".")[2]) | set(judged)
+            told[moment] = ", ".join(sorted(found))
+        return told
+
+    def _rows(self) -> list[dict[str, Any]]:
+        rows, episodes, corrections = [], 0, 0
+        for made in self._board.versions():
+            episodes, corrections = episodes + made.episodes, corrections + made.corrections
             row: dict[str, Any] = {
-                "version": name,
-                "episodes": learned.episodes,
-                "corrections": learned.corrections,
+                "version": made.name,
+                "episodes": episodes,
+                "corrections": corrections,
+                "labels": made.labels,
+                "held_out": made.held_out,
             }
-            if name in self._judging.found:
-                row |= _figures(self._judging.found[name])
+            if made.name in self._judging.found:
+                row |= _figures(self._judging.found[made.name])
             rows.append(row)
-            number = name.partition(".")[2]
-            for version, tally in tallies.items():
-                if version.partition(".")[2] == number:
-                    learned = Tally(*map(sum, zip(learned, tally, strict=True)))
         return rows
 
     def plot(self) -> Path | None:

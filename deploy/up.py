@@ -13,13 +13,17 @@ from rich.console import Console
 from rich.live import Live
 
 from deploy.board import Board
-from deploy.children import ChildError, Family, sets
+from deploy.children import Family, sets
 from deploy.judging import Judging
 from deploy.ports import check_free
 from deploy.report import Report
 from shared.errors import HldError
+from shared.workcell.site import load_site
+from shared.workcell.tasks import task_named
 
 POLL_S = 0.5
+INTERRUPTED = 130  # As a shell says of Ctrl-C.
+PERSONS_STEPS = 3000  # A person gets 60 s an episode in real time, unless they set another limit.
 PLAIN_EVERY_S = 20.0  # How often a line goes out where no terminal can show a table.
 
 
@@ -57,33 +61,38 @@ def run(plan: Plan) -> int:
     """Run until the rounds are done or somebody says stop; the exit code."""
     console = Console()
     try:
-        check(plan)
+        check(plan, console)
         if plan.fresh and plan.data.exists():
             aside = f"{plan.data.name}-{datetime.now(UTC):%Y%m%d-%H%M%S}"
             plan.data.rename(plan.data.with_name(aside))
         plan.data.mkdir(parents=True, exist_ok=True)
     except HldError as error:
-        console.print(f"[red]hld up:[/] {error}")
+        console.print(f"hld up: {error}", style="red", markup=False)
         return 2
     stop = stop_on_signals()
     family = Family(plan.data / "logs")
-    judging = Judging(plan.data / "evaluation", plan.site, plan.tasks, plan.evaluate)
+    folder = plan.data / "evaluation"
+    judging = Judging(folder, plan.site, plan.tasks, plan.evaluate, judge_options(plan))
     try:
         start(plan, family)
-        watch(plan, family, judging, console, stop)
-        return 0
-    except (ChildError, HldError) as error:
-        console.print(f"[red]hld up:[/] {error}")
+        done = watch(plan, family, judging, console, stop)
+        return 0 if done or not plan.rounds else INTERRUPTED
+    except HldError as error:
+        console.print(f"hld up: {error}", style="red", markup=False)
         return 1
     finally:
         judging.close()
         killed = family.end()
         ended = "ended" if not killed else f"ended, but had to kill {', '.join(killed)}"
-        console.print(f"{ended}; everything is kept in {plan.data}")
+        console.print(f"{ended}; everything is kept in {plan.data}", markup=False)
 
 
-def check(plan: Plan) -> None:
-    """Refuse what cannot work before anything is started."""
+def check(plan: Plan, console: Console) -> None:
+    """Refuse what cannot work before anything is started.
+
+    Raises:
+        HldError: an option is wrong; the message says what would be right.
+    """
     known = ("router", "actor", "learner", "api", "oracle")
     for text in plan.sets:
         if text.split(".")[0] not in known or "=" not in text:
@@ -92,6 +101,13 @@ def check(plan: Plan) -> None:
         raise HldError(f"--pace is real-time or lockstep, not {plan.pace!r}")
     if plan.rounds and not plan.oracle and plan.pace == "lockstep":
         raise HldError("lockstep waits for a verdict at each decision: add --oracle")
+    load_site(plan.site)
+    for task in plan.tasks:
+        task_named(task)
+    if plan.port == plan.router_port:
+        raise HldError(f"--port and --router-port are both {plan.port}; they must differ")
+    if plan.rounds and not plan.fresh and (plan.data / "learner").exists():
+        console.print(f"going on with what is in {plan.data}; --fresh begins anew", markup=False)
     check_free("the page", plan.port)
     check_free("the router", plan.router_port)
 
@@ -147,16 +163,32 @@ def actor_sets(plan: Plan, index: int) -> list[str]:
             seed=plan.seed,
             pace=plan.pace,
             rollout__supervised=lockstep and plan.oracle,
+            **({} if lockstep else {"rollout__max_steps": PERSONS_STEPS}),
             episodes_per_version=share,
         ),
         *plan.sets_for("actor"),
     ]
 
 
+def judge_options(plan: Plan) -> tuple[str, ...]:
+    """Evaluations run what the robots run: their low level and their rollout."""
+    options: list[str] = []
+    for part in plan.sets_for("actor"):
+        if part.startswith("low_level="):
+            options += ["--low-level", part.partition("=")[2].strip('"')]
+        elif part.startswith("rollout."):
+            options += ["--set", part.removeprefix("rollout.")]
+    return tuple(options)
+
+
 def watch(
     plan: Plan, family: Family, judging: Judging, console: Console, stop: threading.Event
-) -> None:
-    """Show what happens, evaluate each version as it appears, and end when the work is done."""
+) -> bool:
+    """Show what happens, evaluate each version as it appears, and end when the work is done.
+
+    Returns whether it was; False when somebody said stop before.
+    """
+    done = False
     board = Board(f"http://127.0.0.1:{plan.port}", plan.data / "learner" / "versions")
     report = Report(plan.report, plan.tasks, plan.site, board, judging, plan.rounds)
     if plan.evaluate:
@@ -167,8 +199,8 @@ def watch(
             family.mind()
             board.refresh()
             if plan.evaluate:
-                for version, folder in board.versions():
-                    judging.want(version, str(folder))
+                for made in board.versions():
+                    judging.want(made.name, str(made.folder))
             if plan.rounds and len(board.versions()) > plan.rounds:
                 family.retire("oracle", "actor")  # Nothing more is to be learned from them.
                 judging.processes = os.cpu_count() or 1
@@ -178,11 +210,14 @@ def watch(
             elif time.monotonic() - spoken > PLAIN_EVERY_S:
                 spoken = time.monotonic()
                 print(board.line(judging), flush=True)
-            if plan.rounds and report.complete():
+            if plan.rounds and (done := report.complete()):
                 break
+    report.write()
     console.print(board.version_table(judging))
     if report.path:
-        console.print(f"report: {report.path}, plot: {report.plot()}")
+        whole = "report" if done or not plan.rounds else "report of what was done so far"
+        console.print(f"{whole}: {report.path}, plot: {report.plot()}", markup=False)
+    return done
 
 
 def stop_on_signals() -> threading.Event:

@@ -59,12 +59,13 @@ def load_or_exit(model: type[S], section: str, **sources: Any) -> S:
     try:
         return load(model, section, **sources)
     except ConfigError as error:
-        _exit(str(error))
+        exit_misconfigured(section, error)
 
 
-def _exit(message: str) -> NoReturn:
-    print(f"configuration: {message}", file=sys.stderr)
-    raise SystemExit(2)
+def exit_misconfigured(section: str, error: Exception) -> NoReturn:
+    """Say what is wrong in one line and end with exit code 2, which no restart can mend."""
+    print(f"{section}: {error}", file=sys.stderr, flush=True)
+    raise SystemExit(2) from None
 
 
 def _read_table(file: Path, section: str) -> Tree:
@@ -125,7 +126,7 @@ def _explain(error: ValidationError, model: type[BaseModel], section: str) -> st
         path = ".".join(str(part) for part in problem["loc"])
         if problem["type"] == "extra_forbidden":
             hint = nearest(path, _known(model))
-            lines.append(f"unknown key {path!r} in [{section}]{hint}")
+            lines.append(f"unknown key {path!r} for the {section}{hint}")
         else:
             lines.append(f"{section}.{path}: {problem['msg']}, not {problem['input']!r}")
     return "; ".join(lines)

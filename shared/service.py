@@ -3,7 +3,20 @@
 import os
 import signal
 import threading
+import time
 from types import FrameType
+
+
+def die_with_supervisor() -> None:
+    """End this process when the one that started it is gone; for work that keeps nothing open."""
+    if supervisor := os.environ.get("HLD_SUPERVISOR_PID"):
+
+        def mind() -> None:
+            while os.getppid() == int(supervisor):
+                time.sleep(1.0)
+            os.killpg(os.getpgid(0), signal.SIGTERM)
+
+        threading.Thread(target=mind, daemon=True).start()
 
 
 class Stop:

@@ -7,7 +7,8 @@ from typing import Annotated, Optional
 import typer
 
 from services.actor.config import ActorSettings
-from shared.config import load_or_exit
+from shared.config import exit_misconfigured, load_or_exit
+from shared.errors import HldError, PolicyError, WorkcellError
 from shared.service import Stop
 from shared.telemetry import set_up
 
@@ -26,7 +27,10 @@ def main(
     from services.actor.build import Actor  # Late: torch and MuJoCo take seconds to import.
     from services.actor.loop import run
 
-    actor = Actor(settings)
+    try:
+        actor = Actor(settings)
+    except HldError as error:
+        exit_misconfigured("actor", error)
     try:
         if not actor.refresh.wait(settings.wait_for_policy_s):
             log.warning("no learner announced a policy", running=str(actor.refresh.newest.version))
@@ -38,6 +42,8 @@ def main(
             stop,
             actor.wake,
         )
+    except (WorkcellError, PolicyError) as error:  # A task or a scene that the cell can't make.
+        exit_misconfigured("actor", error)
     finally:
         actor.close()
     log.info("ended")

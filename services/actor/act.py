@@ -159,7 +159,7 @@ class Runner:
 
     def _end(self, outcome: Outcome) -> None:
         assert self._rollout is not None
-        episode = self._episode(self._rollout, outcome)
+        episode = self._episode(self._rollout, outcome, self._low_level.fingerprint())
         self._rollout = None
         if self._settings.pace is Pace.REAL_TIME:
             self._resting_until = self._clock.monotonic_ns() + int(self._settings.rest_s * 1e9)
@@ -172,7 +172,11 @@ class Runner:
             self._recorder.ended(self._logbook.draft)
             self._logbook.close(finished=False)
 
-    def _episode(self, rollout: Rollout, outcome: Outcome) -> Episode:
+    def _draft(self, rollout: Rollout) -> Episode:
+        """The episode at work, as it would be told if this actor died now."""
+        return self._episode(rollout, Outcome.ABORTED, self._low_level.sha256)
+
+    def _episode(self, rollout: Rollout, outcome: Outcome, low_level_sha256: str) -> Episode:
         return Episode(
             id=rollout.episode,
             robot=self.name,
@@ -182,7 +186,7 @@ class Runner:
             site=rollout.scene.site,
             seed=self._seed,
             version=rollout.version,
-            low_level_sha256=self._low_level.sha256,
+            low_level_sha256=low_level_sha256,
             outcome=outcome,
             steps=rollout.step,
             decisions=rollout.decisions,
@@ -196,7 +200,7 @@ class Runner:
     def _decided(self, decision: Decision) -> None:
         self._recorder.decided(decision)
         assert self._rollout is not None  # It has just decided.
-        self._logbook.note(self._episode(self._rollout, Outcome.ABORTED))
+        self._logbook.note(self._draft(self._rollout))
         now = self._clock.monotonic_ns()
         self._repeat_due = now + REPEAT_NS
         self._verdict_due = now + int(self._settings.verdict_timeout_s * 1e9)
@@ -206,7 +210,7 @@ class Runner:
     def _correct(self, correction: Correction) -> Receipt:
         if self._rollout is not None:
             receipt = self._rollout.correct(correction)
-            self._logbook.note(self._episode(self._rollout, Outcome.ABORTED))
+            self._logbook.note(self._draft(self._rollout))
             return receipt
         return Receipt(
             correction=correction.id,

@@ -31,11 +31,18 @@ class Actor:
     """The parts of one actor process, joined; close it to give everything back."""
 
     def __init__(self, settings: ActorSettings) -> None:
+        self._closing = ExitStack()
+        try:
+            self._build(settings)
+        except BaseException:
+            self._closing.close()
+            raise
+
+    def _build(self, settings: ActorSettings) -> None:
         torch.set_num_threads(settings.threads)
         settings.data.mkdir(parents=True, exist_ok=True)
         self.clock = SystemClock()
         self.wake = threading.Event()
-        self._closing = ExitStack()
         bus = self._closing.enter_context(open_bus(settings.bus))
         outbox = self._closing.enter_context(Outbox(settings.data / "outbox.sqlite"))
         courier = Courier(bus, outbox, self.clock)

@@ -28,7 +28,9 @@ from shared.rollout.rollout import Rollout
 from shared.rollout.settings import RolloutSettings
 from shared.rollout.thinking import Lockstep
 from shared.seeds import EVALUATION
+from shared.workcell.site import load_site
 from shared.workcell.station import Station
+from shared.workcell.tasks import task_named
 
 ORACLE, BASE = "oracle", "base"
 
@@ -54,6 +56,7 @@ class Row(NamedTuple):
     success: bool
     steps: int
     decisions: int
+    low_level_sha256: str
 
 
 class Oracle:
@@ -73,6 +76,20 @@ class Oracle:
 def episodes(plan: Plan) -> list[tuple[int, str]]:
     """The (seed, task) pairs of a plan: the same ones for every high level, so they are paired."""
     return [(plan.first_seed + i, plan.tasks[i % len(plan.tasks)]) for i in range(plan.episodes)]
+
+
+def check(plan: Plan) -> None:
+    """Find what can't work before any process is started.
+
+    Raises:
+        HldError: an unknown site or task, a checkpoint that can't be used; says what is known.
+    """
+    load_site(plan.site)
+    for task in plan.tasks:
+        task_named(task)
+    LowLevel.load(low_level_folder(plan))
+    if plan.high_level not in (ORACLE, BASE):
+        HighLevel.load(Path(plan.high_level))
 
 
 class Evaluator:
@@ -110,17 +127,20 @@ class Evaluator:
         )
         while not rollout.over:
             rollout.advance()
-        return Row(seed, task, scene.prompt, rollout.done, rollout.step, rollout.decisions)
+        return Row(
+            seed,
+            task,
+            scene.prompt,
+            rollout.done,
+            rollout.step,
+            rollout.decisions,
+            self._low_level.fingerprint(),
+        )
 
 
 def low_level_folder(plan: Plan) -> Path:
     """Where the low level of a plan lies."""
     return Path(plan.low_level) if plan.low_level else bundled("low_level")
-
-
-def low_level_sha256(plan: Plan) -> str:
-    """The hash over all tensors of the low level, read from the disk now."""
-    return LowLevel.load(low_level_folder(plan)).sha256
 
 
 _evaluator: Evaluator | None = None  # One a worker process, made by its initializer.
@@ -167,6 +187,7 @@ def summarize(rows: Iterable[Row]) -> dict[str, Any]:
     tasks = sorted({row.task for row in rows})
     return {
         **_rate(rows),
+        "low_level_sha256": sorted({row.low_level_sha256 for row in rows}),
         "tasks": {task: _rate([row for row in rows if row.task == task]) for task in tasks},
         "steps": round(sum(row.steps for row in rows) / max(1, len(rows)), 1),
         "decisions": round(sum(row.decisions for row in rows) / max(1, len(rows)), 1),

@@ -10,7 +10,11 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
+from shared.config import exit_misconfigured, load_or_exit
+from shared.errors import HldError
+from shared.rollout.settings import RolloutSettings
 from shared.seeds import EVALUATION
+from shared.service import die_with_supervisor
 
 
 def main(
@@ -24,14 +28,28 @@ def main(
     low_level: Annotated[str, typer.Option(help="checkpoint folder; the bundled one")] = "",
     report: Annotated[Optional[Path], typer.Option(help="write the figures here")] = None,
     processes: Annotated[int, typer.Option(min=0, help="0: one a core")] = 0,
+    set_: Annotated[
+        Optional[list[str]], typer.Option("--set", help="KEY=VALUE of the rollout")
+    ] = None,
 ) -> None:
     """Success with n and a 95 % interval, on seeds that no correction came from."""
-    from services.actor.evaluate import Plan, Row, evaluate, low_level_sha256, read_rows, summarize
+    from services.actor.evaluate import Plan, Row, check, evaluate, read_rows, summarize
 
+    rollout = load_or_exit(RolloutSettings, "rollout", sets=set_ or ())
     plan = Plan(
-        high_level, tuple(tasks.split(",")), site, episodes,
-        low_level=low_level, first_seed=first_seed,
-    )  # fmt: skip
+        high_level,
+        tuple(tasks.split(",")),
+        site,
+        episodes,
+        rollout=rollout,
+        low_level=low_level,
+        first_seed=first_seed,
+    )
+    try:
+        check(plan)
+    except HldError as error:
+        exit_misconfigured("evaluate", error)
+    die_with_supervisor()
     kept = report.with_suffix(".rows.jsonl") if report else None
     done = _same_plan(kept, plan._asdict()) and read_rows(kept) if kept else []
     rows: list[Row] = []
@@ -44,7 +62,6 @@ def main(
     summary = {
         "schema": 1,
         "high_level": high_level,
-        "low_level_sha256": low_level_sha256(plan),
         "site": site,
         **summarize(rows),
     }

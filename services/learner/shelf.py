@@ -9,6 +9,9 @@ from shared.messages.policy import Version
 from shared.policies.checkpoint import CARD_FILE, Card, save
 
 
+ROUND_FILE = "round.json"  # What the version was made from, beside its checkpoint.
+
+
 class Shelf:
     """`versions/1.2/` and its like: what the robots ran, as `HighLevel.load` reads it.
 
@@ -27,6 +30,8 @@ class Shelf:
             tensors = {ref.name: unpack(ref, self._files.get(ref.sha256)) for ref in record.tensors}
             part = self._folder.with_name(f"version-{name}.part")
             save(part, tensors, _card(record, round_))
+            if round_:
+                (part / ROUND_FILE).write_text(round_.model_dump_json(indent=2) + "\n")
             self._folder.mkdir(exist_ok=True)
             part.rename(folder)
         return folder

@@ -47,6 +47,10 @@ class LowLevel:
         """Copies of all tensors by name."""
         return {name: value.numpy().copy() for name, value in self._net.state_dict().items()}
 
+    def fingerprint(self) -> str:
+        """The hash over all tensors as they are in memory now; `sha256` as long as frozen."""
+        return sha256_tensors(self.tensors())
+
     def act(self, proprioception: Floats, objects: Floats, goal: Goal) -> Floats:
         """The next action chunk, [10, 14] float32: joint targets in rad, grippers in m.
 

@@ -109,11 +109,16 @@ class PolicySource(Protocol):
 class LowLevel(Protocol):
     """The fast policy that turns goal and senses into actions; frozen while the high one learns.
 
-    sha256: over all of its tensors. chunk_steps: how many actions `act` gives at once.
+    sha256: over all of its tensors when it was loaded. chunk_steps: how many actions `act` gives
+        at once.
     """
 
     sha256: str
     chunk_steps: int
+
+    def fingerprint(self) -> str:
+        """`sha256` computed anew over the tensors as they are in memory now."""
+        ...
 
     def act(self, proprioception: Floats, objects: Floats, goal: Goal) -> Floats:
         """The next action chunk, [chunk_steps, 14]."""

@@ -32,7 +32,7 @@ MAY_IMPORT = {
     "services.correction_api": {"shared.messages", "shared.wire", *SMALL, *SERVICE},
     "services.learner": {"shared"},
     "services.oracle": {"shared.workcell", *SMALL, *SERVICE},
-    "deploy": {"shared.wire", *SMALL, *SERVICE},
+    "deploy": {"shared.wire", "shared.workcell", *SMALL, *SERVICE},
     "services": set(),
     "shared": set(),
 }

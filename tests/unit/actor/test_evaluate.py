@@ -11,7 +11,7 @@ from shared.seeds import purpose
 
 def rows(*outcomes):
     return [
-        Row(2_000_000_000 + i, ("sandwich", "pack")[i % 2], "do it", done, 100, 5)
+        Row(2_000_000_000 + i, ("sandwich", "pack")[i % 2], "do it", done, 100, 5, "a" * 64)
         for i, done in enumerate(outcomes)
     ]
 
