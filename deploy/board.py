@@ -59,7 +59,8 @@ class Board:
             self.learner = self._get("/learner") or {}
             seen = self._get("/episodes?limit=50")
             for row in seen["tally"]:
-                self._tally[row.pop("version")] = Tally(**row)
+                name = row.pop("version")
+                self._tally[name] = Tally(**row)
             for episode in seen["episodes"]:
                 found = self._hashes.setdefault(episode["version"], set())
                 found.add(episode["low_level_sha256"])
@@ -114,16 +115,11 @@ class Board:
         )
 
     def version_table(self, judging: Judging) -> Table:
-        """By version: its episodes with corrections, and what an evaluation without found."""
+        """By version: its episodes with corrections, and its success alone, in the evaluation."""
         table = Table(title="high level", title_justify="left")
-        columns = (
-            "version",
-            "episodes",
-            "corrections",
-            "an episode",
-            "success, corrected",
-            "alone",
-        )
+        n = next((row["n"] for row in judging.found.values()), 0)
+        alone = f"alone, n = {n}" if n else "alone"
+        columns = ("version", "episodes", "corrections", "success, corrected", alone)
         for column in columns:
             table.add_column(column, justify="right")
         numbers = sorted({_number(name) for name in (*self._tally, *judging.found)})
@@ -184,14 +180,13 @@ def _number(version: str) -> int:
     return int(number) if number.isdigit() else -1
 
 
-def _work(tally: Tally) -> tuple[str, str, str, str]:
+def _work(tally: Tally) -> tuple[str, str, str]:
     if not tally.episodes:
-        return ("", "", "", "")
+        return ("", "", "")
     low, high = wilson(tally.successes, tally.episodes)
     return (
         str(tally.episodes),
-        str(tally.corrections),
-        f"{tally.corrections / tally.episodes:.1f}",
+        f"{tally.corrections} ({tally.corrections / tally.episodes:.1f} each)",
         f"{tally.successes / tally.episodes:.2f} ({low:.2f}–{high:.2f})",
     )
 
@@ -200,4 +195,4 @@ def _rate(judged: dict[str, Any] | None) -> str:
     if not judged:
         return ""
     low, high = judged["interval"]
-    return f"{judged['success']:.2f} ({low:.2f}–{high:.2f}), n = {judged['n']}"
+    return f"{judged['success']:.2f} ({low:.2f}–{high:.2f})"

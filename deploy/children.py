@@ -70,7 +70,8 @@ class Child:
         now = time.monotonic()
         code = self._process.returncode if self._process else None
         if code == 2:
-            raise ChildError(f"{self.name} cannot start:\n{self.tail()}")
+            said = [line for line in self.tail().splitlines() if not line.startswith("{")]
+            raise ChildError(f"{self.name} cannot start:\n" + "\n".join(said))
         if not self._restart_at:
             self._deaths = 1 if now - self._born > STEADY_S else self._deaths + 1
             if self._deaths >= PATIENCE:

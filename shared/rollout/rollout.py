@@ -174,11 +174,19 @@ class Rollout:
             return f"episode {correction.episode} is over; the current one is {self.episode}"
         if self.over:
             return f"episode {self.episode} is over; wait for the next one"
+        if correction.decision and not self._took(correction.decision):
+            newest = f"the newest is {self.episode}-{self.decisions - 1}" if self.decisions else ""
+            return f"no decision {correction.decision} in this episode; {newest or 'none so far'}"
         if correction.kind is Kind.RELEASE and not (self._held or self._coming):
             return "no override holds, so there is nothing to release"
         if correction.kind is Kind.RESUME and not self.paused:
             return "the robot is not paused, so there is nothing to resume"
         return ""
+
+    def _took(self, decision: str) -> bool:
+        """Whether a decision of this id was taken in this episode."""
+        episode, _, index = decision.rpartition("-")
+        return episode == self.episode and index.isdecimal() and int(index) < self.decisions
 
     def _override(self, correction: Correction) -> Receipt:
         assert correction.goal is not None  # Its model says so.

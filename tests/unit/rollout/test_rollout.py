@@ -141,11 +141,25 @@ def test_in_supervised_lockstep_every_decision_waits_for_its_verdict():
     assert [decision.step for decision in decisions] == [0, 5]
 
 
-def test_a_verdict_about_another_decision_does_not_free_the_robot():
+def test_a_verdict_about_an_earlier_decision_does_not_free_the_robot():
+    decisions: list[Decision] = []
+    rollout = rollout_of("left", supervised=True, decisions=decisions, decision_steps=5)
+    rollout.advance()
+    rollout.correct(said(Kind.APPROVE, decision=decisions[0].id))
+    advance(rollout, 5)
+    rollout.advance()
+    assert rollout.correct(said(Kind.APPROVE, decision=decisions[0].id)).accepted
+    assert not rollout.advance()
+
+
+@pytest.mark.parametrize("decision", ["ep-1-1", "ep-0-0", "nonexistent", "ep-1-x"])
+def test_a_word_about_a_decision_that_was_never_taken_here_is_refused(decision):
     rollout = rollout_of("left", supervised=True)
     rollout.advance()
-    assert rollout.correct(said(Kind.APPROVE, decision="ep-1-99")).accepted
-    assert not rollout.advance()
+    receipt = rollout.correct(said(Kind.OVERRIDE, "up", decision=decision))
+    assert not receipt.accepted
+    assert "the newest is ep-1-0" in receipt.reason
+    assert rollout.command.text == "left"
 
 
 def test_a_supervised_correction_takes_effect_after_the_persons_delay():
