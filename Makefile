@@ -21,7 +21,7 @@ $(STAMP): pyproject.toml constraints.txt deploy/models.txt
 	touch $(STAMP)
 
 demo: setup
-	$(HLD) up $(if $(ORACLE),--oracle --evaluate 20) $(ARGS)
+	$(HLD) up $(if $(ORACLE),--oracle --episodes 12 --evaluate 20) $(ARGS)
 
 test: SYSTEM = --browser
 test: setup lint

@@ -9,9 +9,10 @@ from collections.abc import Callable
 
 from services.correction_api.deliver import Messenger
 from services.correction_api.metrics import Metrics
-from services.correction_api.problems import Problem, unavailable
+from services.correction_api.problems import Problem, shorten, unavailable
 from services.correction_api.store.episodes import Episodes
 from services.correction_api.store.log import Entry, Log, Status
+from services.correction_api.topic import Topics
 from services.correction_api.utterance import Utterance
 from services.correction_api.views import Presence
 from services.correction_api.watch import Sight, Watch
@@ -19,6 +20,8 @@ from shared.clock import Clock
 from shared.errors import nearest
 from shared.messages.correction import Correction
 from shared.messages.message import new_id
+
+MAX_ID = 64
 
 
 class Desk:
@@ -34,7 +37,8 @@ class Desk:
         answer_s: float,
         settle_s: float,
     ) -> None:
-        self._watch, self._log, self._episodes, self._clock = watch, kept, episodes, clock
+        self._watch, self._log, self._clock = watch, kept, clock
+        self._topics = Topics(watch, episodes)
         self._metrics, self._answer_s = metrics, answer_s
         self._settled_ns = clock.monotonic_ns() + int(settle_s * 1e9)
         self._waiting: dict[str, asyncio.Future[Entry]] = {}
@@ -58,14 +62,14 @@ class Desk:
         name: the client's own id, which makes it safe to send the same again.
 
         Raises:
-            Problem: unknown robot, an episode that is over, or an id that was used otherwise.
+            Problem: unknown robot or decision, an episode that is over, or an id used otherwise.
             StoreError: it could not be kept.
         """
         digest = said.digest(robot)
         if name and (entry := await asyncio.to_thread(self._log.find, name)):
             return await self._outcome(_same(entry, digest), self._answer_s)
         sight = self.find(robot)
-        episode, seen_step = await self._place(robot, said, sight)
+        episode, seen_step = await self._topics.find(robot, said, sight)
         now_ns = self._clock.now_ns()
         correction = said.formulate(name or new_id("say"), robot, episode, seen_step, now_ns)
         entry = await self._keep(correction, digest)
@@ -84,10 +88,12 @@ class Desk:
             pass
         names = self._watch.names()
         if self._clock.monotonic_ns() < self._settled_ns:
-            detail = f"robot {robot!r} has not spoken yet since this service started"
+            detail = f"robot {shorten(robot)} has not spoken yet since this service started"
             raise unavailable("starting", "Not heard of yet", detail)
-        hint = nearest(robot, names) or "; no robot has been heard of yet"
-        raise Problem(404, "unknown-robot", "No robot has this id", f"no robot {robot!r}{hint}")
+        hint = nearest(robot[:MAX_ID], names) or "; no robot has been heard of yet"
+        raise Problem(
+            404, "unknown-robot", "No robot has this id", f"no robot {shorten(robot)}{hint}"
+        )
 
     def close(self, entry: Entry) -> None:
         """A receipt came, or the time ran out: tell those who wait."""
@@ -100,24 +106,6 @@ class Desk:
         if waiting and not waiting.done():
             waiting.set_result(entry)
         self._spoken(entry)
-
-    async def _place(self, robot: str, said: Utterance, sight: Sight) -> tuple[str, int | None]:
-        """The episode that it is about, and the step that was seen."""
-        decision = self._watch.decided(robot, said.decision) if said.decision else None
-        episode = said.episode or (decision.episode if decision else sight.episode)
-        if episode is None:
-            detail = f"{robot} is between two episodes; wait until the next one has begun"
-            raise Problem(
-                409, "no-episode", "No episode is running", detail, current=current(sight)
-            )
-        over = self._watch.ended(robot, episode)
-        if over or await asyncio.to_thread(self._episodes.ended, episode):
-            now = f"the current one is {sight.episode}" if sight.episode else "no other has begun"
-            detail = f"episode {episode} of {robot} is over; {now}"
-            raise Problem(
-                409, "episode-over", "The episode is over", detail, current=current(sight)
-            )
-        return episode, decision.step if decision else None
 
     async def _keep(self, correction: Correction, digest: str) -> Entry:
         """Commit, then send; another one with the same id that came first is left as it is."""
@@ -148,16 +136,6 @@ class Desk:
             except TimeoutError:
                 return entry
         return entry
-
-
-def current(sight: Sight) -> dict[str, str | int | None]:
-    """What a robot is about now, for an answer that says no."""
-    return {
-        "episode": sight.episode,
-        "step": sight.heartbeat.step,
-        "command": sight.force.text if sight.force else None,
-        "decision": sight.decision.id if sight.decision else None,
-    }
 
 
 def _unheard(entry: Entry) -> None:

@@ -12,10 +12,13 @@ from starlette.exceptions import HTTPException as PlainException
 
 from services.correction_api.store.writer import StoreError
 from shared.errors import nearest
+from shared.messages.message import ID_PATTERN
 
 MEDIA_TYPE = "application/problem+json"
 TYPE_PREFIX = "urn:hl-dagger:problem:"
 SHOWN_CHARACTERS = 60
+PATH_CHARACTERS = 200
+ID_WORDS = "use lower-case letters, digits and '-', at most 64 characters"
 
 
 class FieldProblem(BaseModel):
@@ -74,7 +77,7 @@ class Problem(HTTPException):
             "title": self.title,
             "status": self.status_code,
             "detail": self.detail,
-            "instance": instance,
+            "instance": _clip(instance, PATH_CHARACTERS),
             **self.extensions,
         }
         return Response(
@@ -167,16 +170,22 @@ def _field(error: Mapping[str, Any], known: Mapping[str, Iterable[str]]) -> Fiel
     name = ".".join(path) or place
     match error["type"]:
         case "extra_forbidden":
-            detail = f"unknown field {_shorten(name)}{nearest(name, known.get(place, ()))}"
+            detail = f"unknown field {shorten(name)}{nearest(name[:64], known.get(place, ()))}"
         case "missing":
             detail = f"{name} is missing"
         case "value_error":
             detail = f"{name}: {error['ctx']['error']}" if path else str(error["ctx"]["error"])
+        case "string_pattern_mismatch" if error["ctx"]["pattern"] == ID_PATTERN.pattern:
+            detail = f"{name}: {ID_WORDS}, not {shorten(error['input'])}"
         case _:
-            detail = f"{name}: {error['msg']}, not {_shorten(error['input'])}"
-    return FieldProblem(field=name, detail=detail)
+            detail = f"{name}: {error['msg']}, not {shorten(error['input'])}"
+    return FieldProblem(field=_clip(name, SHOWN_CHARACTERS), detail=detail)
 
 
-def _shorten(value: Any) -> str:
-    text = repr(value)
-    return text if len(text) <= SHOWN_CHARACTERS else text[: SHOWN_CHARACTERS - 1] + "…"
+def shorten(value: Any) -> str:
+    """What somebody sent, as an error may show it."""
+    return _clip(repr(value), SHOWN_CHARACTERS)
+
+
+def _clip(text: str, limit: int) -> str:
+    return text if len(text) <= limit else text[: limit - 1] + "…"

@@ -37,8 +37,8 @@ def check_words(text: str) -> str:
 
 
 Words = Annotated[str, AfterValidator(check_words)]
-Count = Annotated[int, Field(ge=0, le=MAX_STEP)]
-Nanoseconds = Annotated[int, Field(ge=0, le=MAX_NS)]
+Count = Annotated[int, Field(strict=True, ge=0, le=MAX_STEP)]
+Nanoseconds = Annotated[int, Field(strict=True, ge=0, le=MAX_NS)]
 
 EXAMPLES: list[JsonValue] = [
     {"kind": "override", "text": "pick up the cheese", "author": "anna"},
@@ -70,13 +70,13 @@ class Utterance(BaseModel):
 
     kind: Kind
     text: Words | None = None
-    hold_steps: Annotated[int, Field(ge=1, le=100_000)] | None = None
+    hold_steps: Annotated[int, Field(strict=True, ge=1, le=100_000)] | None = None
     decision: Id | None = None
     episode: Id | None = None
     seen_step: Count | None = None
     begun_ns: Nanoseconds | None = None
     author: Id = "person"
-    delay_steps: Annotated[int, Field(ge=0, le=10_000)] = 0
+    delay_steps: Annotated[int, Field(strict=True, ge=0, le=10_000)] = 0
     id: Id | None = None
     note: Words | None = None
 

@@ -187,6 +187,13 @@ class Watch:
         with self._lock:
             return self._robots[name].decisions.get(decision)
 
+    def last_of(self, name: str, episode: str) -> Decision | None:
+        """The last decision that was heard of an episode of a known robot, if not long ago."""
+        with self._lock:
+            known = self._robots[name].decisions.values()
+            made = (decision for decision in known if decision.episode == episode)
+            return max(made, key=lambda decision: decision.index, default=None)
+
     def ended(self, name: str, episode: str) -> bool:
         """An episode of a known robot was seen to end not long ago."""
         with self._lock:

@@ -7,12 +7,12 @@ from fastapi import APIRouter, Header, Query, Response
 from pydantic import BaseModel, ConfigDict, Field
 
 from services.correction_api import examples
-from services.correction_api.accept import current
 from services.correction_api.parts import Parts
-from services.correction_api.problems import Problem, described
+from services.correction_api.problems import Problem, described, shorten
 from services.correction_api.routes import PartsDep
 from services.correction_api.show import show_correction
 from services.correction_api.store.log import Entry, Status
+from services.correction_api.topic import current
 from services.correction_api.utterance import Utterance
 from services.correction_api.views import CorrectionPage, CorrectionView
 from shared.errors import nearest
@@ -86,7 +86,7 @@ def correction(parts: PartsDep, correction: str) -> CorrectionView:
     entry = parts.log.find(correction)
     if entry is None:
         last = [entry.correction.id for entry in parts.log.page(None, None, MAX_PAGE, None)]
-        detail = f"no correction {correction!r}{nearest(correction, last)}"
+        detail = f"no correction {shorten(correction)}{nearest(correction[:64], last)}"
         raise Problem(404, "unknown-correction", "No correction has this id", detail)
     return show_correction(parts, entry)
 

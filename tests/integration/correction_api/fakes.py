@@ -35,6 +35,7 @@ class FakeRobot:
     """Obeys on its own bus thread; its steps go on with the heartbeats.
 
     heard: every correction that arrived, also repeated ones. receipts: what was answered, by id.
+    reason: why it refuses whatever it is told; empty: it obeys.
     """
 
     def __init__(self, bus: Bus, name: str = "robot-1", *, supervised: bool = False) -> None:
@@ -44,7 +45,7 @@ class FakeRobot:
         self.state = RobotState.ACTING
         self.heard: list[Correction] = []
         self.receipts: dict[str, Receipt] = {}
-        self.deaf = False
+        self.deaf, self.reason = False, ""
         self._serving = bus.serve(robot_key(FLEET, name, "correction"), self._obey)
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._live, daemon=True)
@@ -174,14 +175,15 @@ class FakeRobot:
             self.command, self.chosen_by = correction.goal.text, correction.id
         if not stale and correction.kind is Kind.RELEASE:
             self.command, self.chosen_by = COMMANDS[0], "1.0"
-        reason = f"episode {correction.episode} is over; the current one is {self.episode}"
+        over = f"episode {correction.episode} is over; the current one is {self.episode}"
+        reason = over if stale else self.reason
         return Receipt(
             correction=correction.id,
             robot=self.name,
             episode=correction.episode,
-            accepted=not stale,
-            step=None if stale else self.step,
-            reason=reason if stale else "",
+            accepted=not reason,
+            step=None if reason else self.step,
+            reason=reason,
             time_ns=time.time_ns(),
         )
 

@@ -98,10 +98,11 @@ def test_a_correction_for_an_episode_that_is_over_names_the_current_one(
 def test_what_the_robot_refuses_is_kept_and_its_reason_is_told(
     api: httpx.Client, robot: FakeRobot, learner: FakeLearner
 ) -> None:
-    answer = say(api, {**OVERRIDE, "episode": "never-was"})
+    robot.reason = "no override holds, so there is nothing to release"
+    answer = say(api, {"kind": "release"})
     assert answer.status_code == 409
     problem = answer.json()
-    assert problem["detail"] == "episode never-was is over; the current one is robot-1-e1"
+    assert problem["detail"] == robot.reason
     assert problem["current"]["episode"] == robot.episode
     kept = api.get(f"api/v1/corrections/{problem['correction']}").json()
     assert kept["status"] == "refused"
@@ -132,6 +133,17 @@ def test_the_other_kinds_are_taken_to_the_robot(api: httpx.Client, robot: FakeRo
         ("robot-1", {"kind": "override", "txt": "wait"}, 422, "nearest known: 'text'"),
         ("robot-1", {"kind": "overide", "text": "wait"}, 422, "'override', 'release'"),
         ("robot-1", {}, 422, "kind is missing"),
+        ("robot-1", {**OVERRIDE, "author": "Ada Lovelace"}, 422, "author: use lower-case letters"),
+        (
+            "robot-1",
+            {**OVERRIDE, "hold_steps": "5"},
+            422,
+            "hold_steps: Input should be a valid int",
+        ),
+        ("robot-1", {**OVERRIDE, "hold_steps": True}, 422, "integer, not True"),
+        ("robot-1", {**OVERRIDE, "episode": "ep-gone"}, 409, "ep-gone of robot-1 is unknown"),
+        ("robot-1", {**OVERRIDE, "decision": "ep-gone-1"}, 409, "is robot-1-e1"),
+        ("robot-1", {"kind": "approve", "decision": "x"}, 404, "no decision 'x' of robot-1"),
         ("robot-1", [], 422, "body"),
     ],
 )
@@ -144,6 +156,33 @@ def test_a_mistake_is_told_with_what_would_be_right(
     problem = answer.json()
     assert detail in problem["detail"]
     assert (problem["status"], problem["instance"]) == (status, answer.url.path)
+
+
+def test_an_error_shows_only_the_beginning_of_what_is_very_long(
+    standing_api: httpx.Client,
+) -> None:
+    name = "r" * 3000
+    answers = [
+        standing_api.post(f"api/v1/robots/{name}/corrections", json=OVERRIDE),
+        standing_api.get(f"api/v1/corrections/{name}"),
+        standing_api.post(f"{ROBOT}/corrections", json={**OVERRIDE, name: 1}),
+    ]
+    assert [answer.status_code for answer in answers] == [404, 404, 422]
+    assert all("rrr" in answer.json()["detail"] for answer in answers)
+    assert all(len(answer.content) < 1000 for answer in answers)
+
+
+def test_a_decision_from_before_a_restart_is_not_obeyed_in_the_next_episode(
+    router: MemoryRouter, robot: FakeRobot, tmp_path: Path
+) -> None:
+    old = robot.decide()
+    robot.end()
+    with MemoryBus(router) as bus, running(bus, tmp_path) as api:
+        eventually(lambda: api.get("api/v1/robots").json()["robots"])
+        answer = say(api, {**OVERRIDE, "decision": old.id})
+        assert answer.status_code == 409
+        assert "the current one is robot-1-e2" in answer.json()["detail"]
+    assert robot.heard == []
 
 
 @pytest.mark.parametrize(

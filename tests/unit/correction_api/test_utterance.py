@@ -52,6 +52,11 @@ def test_refused_words_say_what_would_be_right(text: str, hint: str) -> None:
         {"kind": "override", "text": "wait", "begun_ns": 2**63},
         {"kind": "override", "text": "wait", "author": "Anna"},
         {"kind": "override", "text": "wait", "colour": "red"},
+        {"kind": "override", "text": "wait", "hold_steps": "5"},
+        {"kind": "override", "text": "wait", "hold_steps": True},
+        {"kind": "pause", "seen_step": "5"},
+        {"kind": "pause", "begun_ns": True},
+        {"kind": "pause", "delay_steps": 1.0},
     ],
 )
 def test_what_makes_no_sense_is_refused(body: dict[str, object]) -> None:
