@@ -8,7 +8,6 @@ from services.learner.store.tensors import TensorFiles, unpack
 from shared.messages.policy import Version
 from shared.policies.checkpoint import CARD_FILE, Card, save
 
-
 ROUND_FILE = "round.json"  # What the version was made from, beside its checkpoint.
 
 
