@@ -61,7 +61,7 @@ class Rollout:
         self.awaited: Decision | None = None
         self.paused = self.done = False
         self._held: Override | None = None
-        self._coming: Override | None = None
+        self._coming: list[Override] = []
         self._asked: Observation | None = None
         self._next_query = 0
         self._proposals: Proposals = ()
@@ -177,7 +177,7 @@ class Rollout:
         if correction.decision and not self._took(correction.decision):
             newest = f"the newest is {self.episode}-{self.decisions - 1}" if self.decisions else ""
             return f"no decision {correction.decision} in this episode; {newest or 'none so far'}"
-        if correction.kind is Kind.RELEASE and not (self._held or self._coming):
+        if correction.kind is Kind.RELEASE and not self._held:
             return "no override holds, so there is nothing to release"
         if correction.kind is Kind.RESUME and not self.paused:
             return "the robot is not paused, so there is nothing to resume"
@@ -195,7 +195,9 @@ class Rollout:
             begin = max(begin, self.awaited.step + correction.delay_steps)
         end = begin + correction.hold_steps if correction.hold_steps else None
         replaced = self._held.correction if self._held else None
-        self._coming = Override(correction.id, correction.goal, begin, end)
+        # What was to begin earlier still does, as its receipt says; what was to begin later not.
+        self._coming = [override for override in self._coming if override.begin < begin]
+        self._coming.append(Override(correction.id, correction.goal, begin, end))
         self._turn_overrides()
         self.corrections += 1
         self._ask_again()
@@ -204,7 +206,7 @@ class Rollout:
 
     def _release(self, correction: Correction) -> Receipt:
         replaced = self._held.correction if self._held else None
-        self._held = self._coming = None
+        self._held = None
         self._give_back()
         self._ask_again()
         self._acquit(correction)
@@ -246,8 +248,8 @@ class Rollout:
             self._held = None
             self._give_back()
             self._next_query = self.step
-        if self._coming and self.step >= self._coming.begin:
-            self._held, self._coming = self._coming, None
+        while self._coming and self.step >= self._coming[0].begin:
+            self._held = self._coming.pop(0)
             self._enforce(self._held.goal, self._held.correction)
 
     def _give_back(self) -> None:

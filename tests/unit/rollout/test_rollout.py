@@ -194,6 +194,24 @@ def test_an_override_that_expires_does_not_take_the_coming_one_with_it():
     assert lengths == [2] * 12 + [4] * 3 + [9] * 3
 
 
+def test_delayed_words_take_force_in_turn_as_their_receipts_say():
+    robot = CountingRobot()
+    decisions: list[Decision] = []
+    rollout = rollout_of(
+        "left", robot=robot, decisions=decisions, supervised=True, decision_steps=5
+    )
+    rollout.advance()
+    first = said(Kind.OVERRIDE, "up", decision=decisions[0].id, delay_steps=7)
+    assert rollout.correct(first).step == 7
+    advance(rollout, 5)
+    rollout.advance()
+    second = said(Kind.OVERRIDE, "rightward", decision=decisions[1].id, delay_steps=4)
+    assert rollout.correct(second).step == 9
+    advance(rollout, 5)
+    lengths = [int(action[0]) for action in robot.actions]
+    assert lengths == [4] * 7 + [2] * 2 + [9] * 1
+
+
 def test_an_answer_that_comes_late_is_in_force_late_but_says_what_was_seen():
     robot = CountingRobot()
     decisions: list[Decision] = []
