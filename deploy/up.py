@@ -165,6 +165,7 @@ def actor_sets(plan: Plan, index: int) -> list[str]:
             rollout__supervised=lockstep and plan.oracle,
             **({} if lockstep else {"rollout__max_steps": PERSONS_STEPS}),
             episodes_per_version=share,
+            wait_for_version_s=600 if plan.rounds else 90,
         ),
         *plan.sets_for("actor"),
     ]

@@ -50,6 +50,11 @@ class Logbook:
         self.number += 1
         self._write()
 
+    def renew(self) -> None:
+        """Another share under the same version."""
+        self.finished = 0
+        self._write()
+
     def note(self, draft: Episode) -> None:
         """The episode at work has come so far."""
         self.draft = draft
@@ -98,7 +103,7 @@ class Runner:
         self._inbox, self._logbook = inbox, logbook
         self._rollout: Rollout | None = None
         self._started_ns = self._seed = 0
-        self._resting_until = 0
+        self._resting_until = self._waiting_since = 0
         self._repeat_due = self._verdict_due = 0
         self._tell_broken_off()
 
@@ -132,8 +137,16 @@ class Runner:
     def _may_begin(self) -> bool:
         quota = self._settings.episodes_per_version
         version = str(self._source.newest.version)
-        used_up = quota and self._logbook.version == version and self._logbook.finished >= quota
-        return not used_up and self._clock.monotonic_ns() >= self._resting_until
+        now = self._clock.monotonic_ns()
+        if not (quota and self._logbook.version == version and self._logbook.finished >= quota):
+            self._waiting_since = 0
+            return now >= self._resting_until
+        self._waiting_since = self._waiting_since or now
+        patience_s = self._settings.wait_for_version_s
+        if patience_s and now - self._waiting_since > patience_s * 1e9:
+            log.warning("no newer version came, going on", robot=self.name, version=version)
+            self._logbook.renew()
+        return False
 
     def _begin(self) -> None:
         high_level = self._source.newest

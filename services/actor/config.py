@@ -42,6 +42,8 @@ class ActorSettings(Settings):
         them. first_index: number of the first robot in the fleet, from which its seeds follow.
     tasks: taken in turn. site: the settings file of the cell.
     episodes_per_version: after so many episodes a robot waits for a newer version; 0: never.
+    wait_for_version_s: it waits that long at most, then does another share with the version it has
+        (the gate may have refused a candidate); 0: for ever.
     verdict_timeout_s: in supervised lockstep, go on without a verdict after this; 0: never.
     wait_for_policy_s: at start, how long to wait for the learner before running what is on disk.
     low_level, high_level: checkpoint folders; None: the ones that come with the package.
@@ -61,6 +63,7 @@ class ActorSettings(Settings):
     bus: BusSettings = BusSettings()
     seed: Annotated[int, Field(ge=0, le=10_000)] = 0
     episodes_per_version: Annotated[int, Field(ge=0)] = 0
+    wait_for_version_s: Annotated[float, Field(ge=0)] = 600.0
     rest_s: Annotated[float, Field(ge=0, le=3600)] = 1.0
     verdict_timeout_s: Annotated[float, Field(ge=0)] = 0.0
     wait_for_policy_s: Annotated[float, Field(ge=0)] = 10.0

@@ -214,6 +214,12 @@ def test_a_robot_waits_for_a_newer_version_when_its_share_is_done_also_after_a_r
     assert bench.heard["episode"][2].number == 2
 
 
+def test_a_robot_whose_new_version_never_comes_goes_on_with_the_one_it_has(bench):
+    bench = bench(episodes_per_version=1, wait_for_version_s=0.2)
+    bench.tick_until(lambda: len(bench.heard["episode"]) >= 3)
+    assert {str(episode.version) for episode in bench.heard["episode"]} == {"1.0"}
+
+
 def test_a_waiting_decision_is_shown_again_and_a_verdict_frees_the_robot(bench):
     bench = bench(rollout={"supervised": True})
     bench.tick_until(lambda: len(bench.heard["decision"]) >= 2)
