@@ -16,16 +16,3 @@ def wilson(successes: int, n: int) -> tuple[float, float]:
     centre = (rate + Z_95**2 / (2 * n)) / (1 + Z_95**2 / n)
     half = Z_95 / (1 + Z_95**2 / n) * math.sqrt(rate * (1 - rate) / n + Z_95**2 / (4 * n**2))
     return (max(0.0, centre - half), min(1.0, centre + half))
-
-
-def mcnemar(better: int, worse: int) -> float:
-    """Two-sided exact p-value of a paired comparison.
-
-    better: pairs in which only the second succeeded; worse: pairs in which only the first did.
-    Source: McNemar 1947, in the exact binomial form.
-    """
-    n = better + worse
-    if n == 0:
-        return 1.0
-    tail: float = sum(math.comb(n, k) for k in range(min(better, worse) + 1)) / 2**n
-    return min(1.0, 2 * tail)

@@ -59,8 +59,6 @@ class Cell:
         self._joint_rows, self._finger_rows = rows[:, :6], rows[:, 6:]
         self._object_rows = [int(model.joint(name).qposadr[0]) for name in OBJECT_NAMES]
         self._velocity_rows = [int(model.joint(name).dofadr[0]) for name in OBJECT_NAMES]
-        free = np.array([np.arange(row, row + 7) for row in self._object_rows])
-        self._position_rows, self._quaternion_rows = free[:, :3], free[:, 3:]
         self._bodies = [model.body(name).id for name in BODY_NAMES]
         self._sites = [model.site(f"{arm}_tool").id for arm in ARM_NAMES]
         self._pad_of_geom = np.full(model.ngeom, -1)

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from services.actor.evaluate import Plan, Row, episodes, read_rows, summarize
-from shared.intervals import mcnemar, wilson
+from shared.intervals import wilson
 from shared.seeds import purpose
 
 
@@ -47,9 +47,3 @@ def test_a_half_written_last_row_is_done_again(tmp_path):
 )
 def test_the_interval_is_wilsons(successes, n, interval):
     assert wilson(successes, n) == pytest.approx(interval, abs=1e-3)
-
-
-def test_mcnemar_counts_only_pairs_that_differ():
-    assert mcnemar(0, 0) == 1.0
-    assert mcnemar(10, 0) == pytest.approx(2 / 2**10)
-    assert mcnemar(5, 5) == 1.0
