@@ -204,6 +204,7 @@ class Runner:
             steps=rollout.step,
             decisions=rollout.decisions,
             corrections=rollout.corrections,
+            asked=dict(rollout.asked),
             started_ns=self._started_ns,
             ended_ns=self._clock.now_ns(),
         )

@@ -11,7 +11,9 @@ from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
 import torch
+from numpy.typing import NDArray
 
 from services.actor.build import make_robot
 from shared.clock import SystemClock
@@ -67,7 +69,10 @@ class Oracle:
     def __init__(self, station: Station) -> None:
         self._station = station
 
-    def propose(self, observation: Observation) -> tuple[Proposal, ...]:
+    def propose(
+        self, observation: Observation, past: Sequence[NDArray[np.uint8]] = ()
+    ) -> tuple[Proposal, ...]:
+        del past  # Unused: what is true now is all that it needs.
         previous = observation.previous[-1] if observation.previous else None
         goal = Goal(text=self._station.right_command(previous))
         return (Proposal(goal=goal, score=1.0),)

@@ -2,6 +2,9 @@
 
 from enum import StrEnum
 
+from pydantic import Field
+
+from shared.messages.decision import Asked
 from shared.messages.message import Id, Message, Step, Text, TimeNs
 from shared.messages.policy import Version
 
@@ -21,6 +24,8 @@ class Episode(Message):
     seed: what the scene was drawn from; `shared/seeds.py` says which seeds are for what.
     version: the high level that ran all of it. low_level_sha256: the low level that did.
     steps, decisions, corrections: how many there were; corrections counts overrides only.
+    asked: how many of the decisions there were for each reason to ask the high level; empty in
+        records from before this was told.
     """
 
     id: Id
@@ -36,6 +41,7 @@ class Episode(Message):
     steps: Step
     decisions: Step
     corrections: Step
+    asked: dict[Asked, Step] = Field(default_factory=dict)
     started_ns: TimeNs
     ended_ns: TimeNs
 

@@ -1,6 +1,6 @@
 """The high level: looks, reads the prompt, and proposes every command it knows, best first."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -71,12 +71,15 @@ class HighLevel:
         net = build_net(announcement.settings, tensors)
         return cls(net, PhraseBank.of(announcement.bank), announcement.version)
 
-    def propose(self, observation: Observation) -> tuple[Proposal, ...]:
+    def propose(
+        self, observation: Observation, past: Sequence[NDArray[np.uint8]] = ()
+    ) -> tuple[Proposal, ...]:
         """Every phrase of the bank with its probability, best first."""
+        del past  # Unused: this network looks at the present only.
         images = torch.from_numpy(np.ascontiguousarray(observation.arrays["images"]))
-        past = past_vectors(self._encoder, [observation.previous], self.net.history)
+        previous = past_vectors(self._encoder, [observation.previous], self.net.history)
         prompt = self._encoder.embed([observation.prompt])
-        question = Question(images[None], torch.from_numpy(prompt), torch.from_numpy(past))
+        question = Question(images[None], torch.from_numpy(prompt), torch.from_numpy(previous))
         with torch.inference_mode():
             logits = self.net.scores(self.net(question), self._phrases)[0]
             shares = torch.softmax(logits.double(), -1).numpy()

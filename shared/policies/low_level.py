@@ -59,6 +59,22 @@ class LowLevel:
         chunk: Floats = self.act_all(proprioception[None], objects[None], (goal,))[0]
         return chunk
 
+    def completion(self, proprioception: Floats, objects: Floats, goal: Goal) -> float:
+        """See `LowLevel.completion` of the rollout.
+
+        Raises:
+            PolicyError: always, since this network has no classifier.
+        """
+        del proprioception, objects
+        raise PolicyError(
+            f"this low level can't tell whether {goal.text!r} is achieved; set replan=interval"
+        )
+
+    def objection(self, goal: Goal, objects: Floats) -> str:
+        """None: whatever is said, this network does something."""
+        del goal, objects
+        return ""
+
     def act_all(self, proprioception: Floats, objects: Floats, goals: tuple[Goal, ...]) -> Floats:
         """`act` for B robots at once: [B, 22], [B, 9, 9] and B goals to [B, 10, 14]."""
         words = torch.from_numpy(self._family.embed(goals))

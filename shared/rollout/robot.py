@@ -3,6 +3,7 @@
 A robot of your own, real or simulated, implements `Robot`; nothing else in the loop knows it.
 """
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -92,8 +93,14 @@ class HighLevel(Protocol):
 
     version: Version
 
-    def propose(self, observation: Observation) -> tuple[Proposal, ...]:
-        """Goals with their scores, best first; called from a thread beside the control loop."""
+    def propose(
+        self, observation: Observation, past: Sequence[NDArray[np.uint8]] = ()
+    ) -> tuple[Proposal, ...]:
+        """Goals with their scores, best first; called from a thread beside the control loop.
+
+        past: pictures [V, 64, 64, 3] uint8 of earlier decisions of this episode, oldest first;
+            fewer at its beginning.
+        """
         ...
 
 
@@ -121,5 +128,20 @@ class LowLevel(Protocol):
         ...
 
     def act(self, proprioception: Floats, objects: Floats, goal: Goal) -> Floats:
-        """The next action chunk, [chunk_steps, 14]."""
+        """The next action chunk, [chunk_steps, 14].
+
+        Never fails on a goal that it objects to: it does what it understands of it, or stays.
+        """
+        ...
+
+    def completion(self, proprioception: Floats, objects: Floats, goal: Goal) -> float:
+        """The probability, 0 to 1, that the goal is achieved now, by a learned classifier."""
+        ...
+
+    def objection(self, goal: Goal, objects: Floats) -> str:
+        """Why it can't do the goal in this scene, in a sentence that names the nearest goals that
+        it knows; "" if it understands the goal and can.
+
+        Called from the control loop, at each decision: quick for a goal that it was asked before.
+        """
         ...

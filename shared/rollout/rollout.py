@@ -8,19 +8,22 @@ Source: the rollout of Shi et al. 2024 (arXiv 2403.12910), where a correction wa
 of the action chunk (up to 2 s); here it cuts the chunk at the next control step.
 """
 
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable
 
 import numpy as np
 
 from shared.clock import Clock
 from shared.messages.correction import Correction, Kind
-from shared.messages.decision import Decision
+from shared.messages.decision import Asked, Choice, Decision
 from shared.messages.goal import Goal
 from shared.messages.observation import Observation
 from shared.messages.policy import Version
 from shared.messages.receipt import Receipt
-from shared.rollout.override import Override
+from shared.rollout.asking import Asking, Question
+from shared.rollout.choosing import Choosing
+from shared.rollout.looks import Looks
+from shared.rollout.override import Override, Overrides
 from shared.rollout.robot import HighLevel, LowLevel, Robot, Scene
 from shared.rollout.settings import RolloutSettings
 from shared.rollout.thinking import Proposals, Thinking
@@ -30,6 +33,7 @@ class Rollout:
     """One attempt at one task.
 
     step: the next control step to be executed, which is also how many have been.
+    asked: how many decisions there were, by why the high level was asked.
     command: the goal in force; chosen_by: the policy version or the id of a correction.
     awaited: the decision for which the robot stands still, in supervised lockstep.
     paused: it stands still because a person said so.
@@ -56,15 +60,16 @@ class Rollout:
         self._decided = decided
         self.name, self.episode, self.scene = name, episode, scene
         self.step, self.decisions, self.corrections = 0, 0, 0
+        self.asked: Counter[Asked] = Counter()
         self.command: Goal | None = None
         self.chosen_by = ""
         self.awaited: Decision | None = None
         self.paused = self.done = False
-        self._held: Override | None = None
-        self._coming: list[Override] = []
-        self._asked: Observation | None = None
-        self._next_query = 0
-        self._proposals: Proposals = ()
+        self._overrides = Overrides()
+        self._asking, self._choosing = Asking(settings), Choosing(settings)
+        self._looks = Looks(settings.looks, settings.look_every)
+        self._question: Question | None = None
+        self._since = 0  # The first control step of the command in force.
         self._chunk: deque[np.ndarray] = deque()
         self._history: deque[str] = deque(maxlen=settings.history)
 
@@ -86,6 +91,7 @@ class Rollout:
         if self.over or self.paused or self.awaited:
             return False
         self._turn_overrides()
+        self._check()
         self._think()
         if self.command is None or self.awaited:
             return False
@@ -93,18 +99,26 @@ class Rollout:
         self.step += 1
         return True
 
-    # -- the high level, every n steps
+    # -- the high level, now and then
+
+    def _check(self) -> None:
+        """Where a chunk is to be fetched: is the command achieved already?"""
+        if self._chunk or self.command is None or not self._asking.checks(self.step):
+            return
+        completion = self._low_level.completion(*self._robot.sense(), self.command)
+        self._asking.judge(completion, self.step)
 
     def _think(self) -> None:
-        if self._asked is None and self.step >= self._next_query:
-            self._asked = self._observe()
-            self._next_query = self.step + self._settings.decision_steps
-            self._thinking.ask(self._high_level, self._asked)
+        if self._question is None and (why := self._asking.due(self.step)):
+            past = self._looks.past()
+            self._question = Question(self._observe(), tuple(past), why)
+            self._asking.put(why, self.step)
+            self._thinking.ask(self._high_level, self._question.observation, tuple(past.values()))
         # An episode's clock begins with its first command, so that the first answer is never late.
         grace = 0 if self.command else self._settings.latency_steps
-        if self._asked is not None and (proposals := self._thinking.answer(self.step + grace)):
-            self._decide(self._asked, proposals)
-            self._asked = None
+        if self._question and (proposals := self._thinking.answer(self.step + grace)):
+            self._decide(self._question, proposals)
+            self._question = None
 
     def _observe(self) -> Observation:
         if self.command is not None:
@@ -117,10 +131,9 @@ class Rollout:
             arrays={"images": self._robot.look(), **senses._asdict()},
         )
 
-    def _decide(self, observation: Observation, proposals: Proposals) -> None:
-        self._proposals = proposals
-        if self._held is None:
-            self._enforce(proposals[0].goal, str(self._high_level.version))
+    def _decide(self, question: Question, proposals: Proposals) -> None:
+        observation = question.observation
+        choice = self._choose(question, proposals)
         assert self.command is not None  # Either held or just put in force.
         decision = Decision(
             id=f"{self.episode}-{self.decisions}",
@@ -129,44 +142,65 @@ class Rollout:
             index=self.decisions,
             step=observation.step,
             time_ns=self._clock.now_ns(),
+            asked=question.why,
             task=self.scene.task,
             prompt=observation.prompt,
             previous=observation.previous,
+            past=question.past,
             proposed=proposals[: self._settings.top],
             executed=self.command,
             chosen_by=self.chosen_by,
+            choice=choice,
             version=self._high_level.version,
             awaits_verdict=self._settings.supervised,
             truth=self._robot.truth(),
             arrays=observation.arrays,
         )
         self.decisions += 1
+        self.asked[question.why] += 1
+        self._looks.add(observation.arrays["images"])
         self.awaited = decision if self._settings.supervised else None
         if self._decided:
             self._decided(decision)
+
+    def _choose(self, question: Question, proposals: Proposals) -> Choice:
+        """Put in force what follows from the proposals, unless a person's word holds."""
+        objects = question.observation.arrays["objects"]
+        held = self._overrides.held is not None
+        steady = question.why is Asked.INTERVAL and not held and not self._asking.achieved
+        choice = self._choosing.choose(
+            proposals,
+            str(self._high_level.version),
+            lambda goal: bool(self._low_level.objection(goal, objects)),
+            self.step - self._since if steady else None,
+        )
+        if held:
+            return Choice.HELD
+        self._give_back()
+        return choice
 
     # -- the low level, every step
 
     def _next_action(self) -> np.ndarray:
         if not self._chunk:
             assert self.command is not None
-            senses = self._robot.sense()
-            chunk = self._low_level.act(senses.proprioception, senses.objects, self.command)
+            chunk = self._low_level.act(*self._robot.sense(), self.command)
             self._chunk.extend(chunk[: self._settings.execute_steps])
         return np.asarray(self._chunk.popleft(), dtype=np.float64)
 
     def _enforce(self, goal: Goal, chosen_by: str) -> None:
         if goal != self.command:
             self._chunk.clear()  # A new command never waits for the end of a chunk.
+            self._asking.changed(self.step)
+            self._since = self.step
         self.command, self.chosen_by = goal, chosen_by
 
     # -- people
 
     def correct(self, correction: Correction) -> Receipt:
         """Obey from the next control step on, or refuse and say why."""
-        reason = self._objection(correction)
-        if reason:
-            return self._receipt(correction, None, reason=reason)
+        if why := self._objection(correction):
+            return self._receipt(correction, None, why=why)
         return self._OBEY[correction.kind](self, correction)
 
     def _objection(self, correction: Correction) -> str:
@@ -177,10 +211,12 @@ class Rollout:
         if correction.decision and not self._took(correction.decision):
             newest = f"the newest is {self.episode}-{self.decisions - 1}" if self.decisions else ""
             return f"no decision {correction.decision} in this episode; {newest or 'none so far'}"
-        if correction.kind is Kind.RELEASE and not self._held:
+        if correction.kind is Kind.RELEASE and not self._overrides.held:
             return "no override holds, so there is nothing to release"
         if correction.kind is Kind.RESUME and not self.paused:
             return "the robot is not paused, so there is nothing to resume"
+        if correction.goal is not None:
+            return self._low_level.objection(correction.goal, self._robot.sense().objects)
         return ""
 
     def _took(self, decision: str) -> bool:
@@ -194,10 +230,8 @@ class Rollout:
         if correction.delay_steps and self.awaited:
             begin = max(begin, self.awaited.step + correction.delay_steps)
         end = begin + correction.hold_steps if correction.hold_steps else None
-        replaced = self._held.correction if self._held else None
-        # What was to begin earlier still does, as its receipt says; what was to begin later not.
-        self._coming = [override for override in self._coming if override.begin < begin]
-        self._coming.append(Override(correction.id, correction.goal, begin, end))
+        replaced = self._overrides.held_by
+        self._overrides.put(Override(correction.id, correction.goal, begin, end))
         self._turn_overrides()
         self.corrections += 1
         self._ask_again()
@@ -205,8 +239,7 @@ class Rollout:
         return self._receipt(correction, begin, replaced)
 
     def _release(self, correction: Correction) -> Receipt:
-        replaced = self._held.correction if self._held else None
-        self._held = None
+        replaced = self._overrides.release()
         self._give_back()
         self._ask_again()
         self._acquit(correction)
@@ -217,11 +250,7 @@ class Rollout:
         return self._receipt(correction, self.step)
 
     def _pause(self, correction: Correction) -> Receipt:
-        self.paused = True
-        return self._receipt(correction, self.step)
-
-    def _resume(self, correction: Correction) -> Receipt:
-        self.paused = False
+        self.paused = correction.kind is Kind.PAUSE
         return self._receipt(correction, self.step)
 
     _OBEY = {
@@ -230,7 +259,7 @@ class Rollout:
         Kind.APPROVE: _approve,
         Kind.PASS: _approve,
         Kind.PAUSE: _pause,
-        Kind.RESUME: _resume,
+        Kind.RESUME: _pause,
     }
 
     def _acquit(self, correction: Correction) -> None:
@@ -240,29 +269,23 @@ class Rollout:
     def _ask_again(self) -> None:
         """After an interjection the high level looks at once, unless it just did (Hi Robot)."""
         if self.awaited is None:
-            self._next_query = self.step
+            self._asking.want(Asked.INTERJECTION)
 
     def _turn_overrides(self) -> None:
         """Let what has expired go, and what is due begin."""
-        if self._held and self._held.over(self.step):
-            self._held = None
+        if self._overrides.expire(self.step):
             self._give_back()
-            self._next_query = self.step
-        while self._coming and self.step >= self._coming[0].begin:
-            self._held = self._coming.pop(0)
-            self._enforce(self._held.goal, self._held.correction)
+            self._asking.want(Asked.EXPIRY)
+        if begun := self._overrides.begin(self.step):
+            self._enforce(begun.goal, begun.correction)
 
     def _give_back(self) -> None:
-        """Nobody's word holds any longer: the high level's last proposal does."""
-        if self._proposals:
-            self._enforce(self._proposals[0].goal, str(self._high_level.version))
+        """Nobody's word holds: what the high level would have had in force all along does."""
+        if self._choosing.goal:
+            self._enforce(self._choosing.goal, self._choosing.chosen_by)
 
     def _receipt(
-        self,
-        correction: Correction,
-        step: int | None,
-        replaced: str | None = None,
-        reason: str = "",
+        self, correction: Correction, step: int | None, replaced: str | None = None, why: str = ""
     ) -> Receipt:
         return Receipt(
             correction=correction.id,
@@ -271,6 +294,6 @@ class Rollout:
             accepted=step is not None,
             step=step,
             replaced=replaced,
-            reason=reason,
+            reason=why,
             time_ns=self._clock.now_ns(),
         )

@@ -3,21 +3,29 @@
 Both hand out an answer later than the question; the rollout carries on with the command in force.
 """
 
+from collections.abc import Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
 
 from shared.messages.decision import Proposal
 from shared.messages.observation import Observation
 from shared.rollout.robot import HighLevel
 
 Proposals = tuple[Proposal, ...]
+Pictures = Sequence[NDArray[np.uint8]]
 
 
 class Thinking(Protocol):
     """One question at a time to the high level."""
 
-    def ask(self, high_level: HighLevel, observation: Observation) -> None:
-        """Put the question; an earlier one that was not answered is forgotten."""
+    def ask(self, high_level: HighLevel, observation: Observation, past: Pictures) -> None:
+        """Put the question; an earlier one that was not answered is forgotten.
+
+        past: as in `HighLevel.propose`.
+        """
         ...
 
     def answer(self, step: int) -> Proposals | None:
@@ -37,8 +45,8 @@ class Lockstep:
         self._due_step = 0
         self._proposals: Proposals | None = None
 
-    def ask(self, high_level: HighLevel, observation: Observation) -> None:
-        self._proposals = high_level.propose(observation)
+    def ask(self, high_level: HighLevel, observation: Observation, past: Pictures) -> None:
+        self._proposals = high_level.propose(observation, past)
         self._due_step = observation.step + self._latency_steps
 
     def answer(self, step: int) -> Proposals | None:
@@ -58,10 +66,10 @@ class Beside:
         self._pool = ThreadPoolExecutor(max_workers=1, thread_name_prefix="high-level")
         self._future: Future[Proposals] | None = None
 
-    def ask(self, high_level: HighLevel, observation: Observation) -> None:
+    def ask(self, high_level: HighLevel, observation: Observation, past: Pictures) -> None:
         if self._future:
             self._future.cancel()
-        self._future = self._pool.submit(high_level.propose, observation)
+        self._future = self._pool.submit(high_level.propose, observation, past)
 
     def answer(self, step: int) -> Proposals | None:
         del step  # Unused: real time does not count in steps.

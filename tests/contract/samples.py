@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from shared.messages.correction import Correction, Kind
-from shared.messages.decision import Decision, Proposal
+from shared.messages.decision import Asked, Choice, Decision, Proposal
 from shared.messages.episode import Episode, Outcome
 from shared.messages.frame import Frame
 from shared.messages.goal import LanguageGoal
@@ -25,8 +25,8 @@ GOLDEN = Path(__file__).parent / "golden"
 
 NUMBERS: dict[type[Message], int] = {
     Correction: 1,
-    Decision: 1,
-    Episode: 1,
+    Decision: 2,
+    Episode: 2,
     Frame: 1,
     LearnerHeartbeat: 1,
     Observation: 1,
@@ -71,12 +71,15 @@ def decision() -> Decision:
         index=3,
         step=150,
         time_ns=TIME_NS,
+        asked=Asked.COMPLETION,
         task="sandwich",
         prompt="a cheese sandwich, please – schön dick",
         previous=("pick up the bread", "put it on the plate"),
+        past=(0, 1, 2),
         proposed=(Proposal(goal=HAM, score=0.75), Proposal(goal=CHEESE, score=0.25)),
         executed=HAM,
         chosen_by="1.2",
+        choice=Choice.BEST,
         version=Version(1, 2),
         awaits_verdict=True,
         truth={"held": [None, "ham"], "position_m": [0.5, -0.25, 1e-3], "steps": 4},
@@ -129,6 +132,7 @@ def episode() -> Episode:
         steps=800,
         decisions=16,
         corrections=2,
+        asked={Asked.START: 1, Asked.INTERVAL: 13, Asked.INTERJECTION: 2},
         started_ns=TIME_NS,
         ended_ns=TIME_NS + 16_000_000_000,
     )

@@ -1,5 +1,7 @@
 """Hand-written parts that a rollout can drive: a robot that only counts, policies that only say."""
 
+from collections.abc import Callable, Sequence
+
 import numpy as np
 
 from shared.clock import ManualClock
@@ -8,7 +10,7 @@ from shared.messages.decision import Decision, Proposal
 from shared.messages.goal import Goal
 from shared.messages.observation import Observation
 from shared.messages.policy import Version
-from shared.rollout.robot import Scene, Senses
+from shared.rollout.robot import HighLevel, LowLevel, Scene, Senses
 from shared.rollout.rollout import Rollout
 from shared.rollout.settings import RolloutSettings
 from shared.rollout.thinking import Lockstep, Thinking
@@ -33,7 +35,7 @@ class CountingRobot:
         return Senses(np.full(22, steps, np.float32), np.zeros((9, 9), np.float32))
 
     def look(self) -> np.ndarray:
-        return np.zeros((2, 64, 64, 3), np.uint8)
+        return np.full((2, 64, 64, 3), len(self.actions) % 256, np.uint8)
 
     def snapshot(self) -> int:
         return len(self.actions)
@@ -64,9 +66,13 @@ class SayingHighLevel:
     def __init__(self, *commands: str) -> None:
         self.commands = list(commands)
         self.seen: list[Observation] = []
+        self.past: list[tuple[np.ndarray, ...]] = []
 
-    def propose(self, observation: Observation) -> tuple[Proposal, ...]:
+    def propose(
+        self, observation: Observation, past: Sequence[np.ndarray] = ()
+    ) -> tuple[Proposal, ...]:
         self.seen.append(observation)
+        self.past.append(tuple(past))
         first = self.commands[min(len(self.seen), len(self.commands)) - 1]
         return (
             Proposal(goal=Goal(text=first), score=0.7),
@@ -87,11 +93,67 @@ class EchoingLowLevel:
         del proprioception, objects
         return np.full((10, 14), len(goal.text), np.float32)
 
+    def completion(self, proprioception: np.ndarray, objects: np.ndarray, goal: Goal) -> float:
+        del proprioception, objects, goal
+        return 0.0
+
+    def objection(self, goal: Goal, objects: np.ndarray) -> str:
+        del goal, objects
+        return ""
+
+
+class KnowingLowLevel(EchoingLowLevel):
+    """Knows some commands, and says of a command at a control step whether it is achieved.
+
+    achieved: from step and text to a probability. asked: the steps at which it was asked.
+    knows: the texts that it doesn't object to; None: all of them.
+    """
+
+    def __init__(
+        self,
+        achieved: Callable[[int, str], float] = lambda step, text: 0.0,
+        knows: Sequence[str] | None = None,
+    ) -> None:
+        self.achieved, self.knows = achieved, knows
+        self.asked: list[int] = []
+
+    def completion(self, proprioception: np.ndarray, objects: np.ndarray, goal: Goal) -> float:
+        del objects
+        self.asked.append(int(proprioception[0]))
+        return self.achieved(self.asked[-1], goal.text)
+
+    def objection(self, goal: Goal, objects: np.ndarray) -> str:
+        del objects
+        if self.knows is None or goal.text in self.knows:
+            return ""
+        return f"I don't know how to {goal.text}; I know: {', '.join(self.knows)}"
+
+
+class ScoringHighLevel:
+    """Proposes two goals with the scores that it was told to, look by look; the last one stays."""
+
+    version = Version(1, 0)
+
+    def __init__(self, *scores: float, first: str = "left", second: str = "rightward") -> None:
+        """scores: of `first`; `second` has the rest."""
+        self.scores, self.looks = scores, 0
+        self.first, self.second = Goal(text=first), Goal(text=second)
+
+    def propose(
+        self, observation: Observation, past: Sequence[np.ndarray] = ()
+    ) -> tuple[Proposal, ...]:
+        del observation, past
+        score = self.scores[min(self.looks, len(self.scores) - 1)]
+        self.looks += 1
+        both = (Proposal(goal=self.first, score=score), Proposal(goal=self.second, score=1 - score))
+        return tuple(sorted(both, key=lambda proposal: -proposal.score))
+
 
 def rollout_of(
     *commands: str,
     robot: CountingRobot | None = None,
-    high_level: SayingHighLevel | None = None,
+    high_level: HighLevel | None = None,
+    low_level: LowLevel | None = None,
     thinking: Thinking | None = None,
     decisions: list[Decision] | None = None,
     **settings: object,
@@ -100,7 +162,7 @@ def rollout_of(
     return Rollout(
         robot or CountingRobot(),
         high_level or SayingHighLevel(*commands),
-        EchoingLowLevel(),
+        low_level or EchoingLowLevel(),
         thinking or Lockstep(),
         ManualClock(),
         RolloutSettings.model_validate(settings),

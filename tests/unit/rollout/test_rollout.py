@@ -236,8 +236,8 @@ def test_a_slow_high_level_never_stalls_the_robot():
             self.answers = [True]
             self.future: Future = Future()
 
-        def ask(self, high_level, observation):
-            self.proposals = high_level.propose(observation)
+        def ask(self, high_level, observation, past):
+            self.proposals = high_level.propose(observation, past)
 
         def answer(self, step):
             del step
