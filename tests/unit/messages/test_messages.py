@@ -1,5 +1,7 @@
 """What each message refuses, and what it promises."""
 
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -8,14 +10,16 @@ from pydantic import ValidationError
 
 from shared.errors import MessageError
 from shared.messages.correction import Correction, Kind
-from shared.messages.decision import Decision, Proposal
+from shared.messages.decision import Decision, Proposal, entropy
+from shared.messages.episode import Episode
 from shared.messages.frame import Frame
 from shared.messages.goal import LanguageGoal
 from shared.messages.message import ID_PATTERN, MAX_TEXT, new_id
 from shared.messages.observation import Observation
 from shared.messages.policy import PolicyAnnouncement, TensorRef, Version
 from shared.messages.receipt import Receipt
-from tests.contract.samples import arrays, samples
+from shared.wire.codec import decode
+from tests.contract.samples import arrays, golden_file, samples
 
 SAMPLES = samples()
 
@@ -94,6 +98,39 @@ def test_proposals_stand_best_first():
         changed(Decision, proposed=(worse, better))
     with pytest.raises(ValidationError):
         changed(Decision, proposed=())
+
+
+@pytest.mark.parametrize("past", [(3,), (0, 5), (1, 0), (1, 1)])
+def test_what_was_shown_of_the_past_is_earlier_and_oldest_first(past):
+    changed(Decision, past=(0, 2))
+    with pytest.raises(ValidationError, match="oldest first"):
+        changed(Decision, past=past)
+
+
+def test_a_decision_of_before_has_no_reasons_and_no_past():
+    old = decode(Decision, golden_file(Decision, 1).read_bytes())
+    assert (old.asked, old.choice, old.past) == (None, None, ())
+    assert decode(Episode, golden_file(Episode, 1).read_bytes()).asked == {}
+
+
+def scored(*scores):
+    return tuple(
+        Proposal(goal=LanguageGoal(text=f"go {i}"), score=score) for i, score in enumerate(scores)
+    )
+
+
+def test_entropy_is_nothing_where_all_is_sure_and_most_where_nothing_is():
+    assert entropy(scored(1.0)) == entropy(scored(1.0, 0.0)) == 0.0
+    assert entropy(scored(*[0.125] * 8)) == pytest.approx(math.log(8))
+    assert SAMPLES[Decision].entropy == pytest.approx(0.5623, abs=1e-4)
+
+
+@given(st.lists(st.floats(0.001, 1), min_size=2, max_size=20), st.integers(1, 20))
+def test_entropy_of_the_first_proposals_is_never_more_than_that_of_all(weights, top):
+    shares = sorted((weight / sum(weights) for weight in weights), reverse=True)
+    whole = -sum(share * math.log(share) for share in shares)
+    assert entropy(scored(*shares)) == pytest.approx(whole, abs=1e-6)
+    assert -1e-9 <= entropy(scored(*shares[:top])) <= whole + 1e-6
 
 
 @pytest.mark.parametrize("score", [-0.1, 1.1, float("nan"), float("inf")])

@@ -105,13 +105,14 @@ class EchoingLowLevel:
 class KnowingLowLevel(EchoingLowLevel):
     """Knows some commands, and says of a command at a control step whether it is achieved.
 
-    achieved: from step and text to a probability. asked: the steps at which it was asked.
+    achieved: from step and text to a probability; None: nothing ever is. asked: the steps at
+        which it was asked.
     knows: the texts that it doesn't object to; None: all of them.
     """
 
     def __init__(
         self,
-        achieved: Callable[[int, str], float] = lambda step, text: 0.0,
+        achieved: Callable[[int, str], float] | None = None,
         knows: Sequence[str] | None = None,
     ) -> None:
         self.achieved, self.knows = achieved, knows
@@ -120,7 +121,7 @@ class KnowingLowLevel(EchoingLowLevel):
     def completion(self, proprioception: np.ndarray, objects: np.ndarray, goal: Goal) -> float:
         del objects
         self.asked.append(int(proprioception[0]))
-        return self.achieved(self.asked[-1], goal.text)
+        return self.achieved(self.asked[-1], goal.text) if self.achieved else 0.0
 
     def objection(self, goal: Goal, objects: np.ndarray) -> str:
         del objects
