@@ -59,6 +59,14 @@ class LowLevel:
         chunk: Floats = self.act_all(proprioception[None], objects[None], (goal,))[0]
         return chunk
 
+    def act_all(self, proprioception: Floats, objects: Floats, goals: tuple[Goal, ...]) -> Floats:
+        """`act` for B robots at once: [B, 22], [B, 9, 9] and B goals to [B, 10, 14]."""
+        words = torch.from_numpy(self._family.embed(goals))
+        with torch.inference_mode():
+            both = self._targets(torch.from_numpy(proprioception), torch.from_numpy(objects), words)
+        chunk: Floats = both.numpy()
+        return chunk
+
     def completion(self, proprioception: Floats, objects: Floats, goal: Goal) -> float:
         """See `LowLevel.completion` of the rollout.
 
@@ -74,14 +82,6 @@ class LowLevel:
         """None: whatever is said, this network does something."""
         del goal, objects
         return ""
-
-    def act_all(self, proprioception: Floats, objects: Floats, goals: tuple[Goal, ...]) -> Floats:
-        """`act` for B robots at once: [B, 22], [B, 9, 9] and B goals to [B, 10, 14]."""
-        words = torch.from_numpy(self._family.embed(goals))
-        with torch.inference_mode():
-            both = self._targets(torch.from_numpy(proprioception), torch.from_numpy(objects), words)
-        chunk: Floats = both.numpy()
-        return chunk
 
     def _targets(self, proprioception: Tensor, objects: Tensor, words: Tensor) -> Tensor:
         count = len(words)
