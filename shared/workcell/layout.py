@@ -4,11 +4,14 @@ World frame: origin at the middle of the table top, x to the right arm, y away f
 z up. The tray's rim keeps the objects where an arm can reach them.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from shared.workcell.objects import COUNT, OBJECTS
+from shared.workcell.objects import BIN as BIN_ROW
+from shared.workcell.objects import COUNT, KITCHEN, OBJECTS, Stock, rows
+from shared.workcell.objects import TUB as TUB_ROW
 
 
 @dataclass(frozen=True)
@@ -45,6 +48,13 @@ BIN_WALL_M = 0.003
 BIN_FLOOR_M = 0.006
 BIN_TOP_M = 0.013
 
+TUB = Box(0.0, -0.095, 0.103, 0.103)
+"""The middle line of the tub's walls; it stands where the plate stands on the other table."""
+TUB_TOP_M = 0.017
+
+CONTAINERS = {BIN_ROW: BIN, TUB_ROW: TUB}
+"""By their rows; walls and floor of both are alike."""
+
 TRAY = Box(0.0, 0.02, 0.335, 0.275)
 """The middle line of the tray's rim."""
 RIM_M = 0.005
@@ -54,28 +64,48 @@ SPACING_M = 0.092
 """Least distance between the centres of two objects at the start."""
 
 
-def starts(rng: np.random.Generator) -> np.ndarray:
-    """Draw the seven starting poses, [7, 4]: x, y, z [m], yaw [rad].
+def starts(rng: np.random.Generator, stock: Stock = KITCHEN) -> dict[int, tuple[float, ...]]:
+    """Draw where the objects of a stock start: by row x, y, z [m], yaw [rad].
 
-    Objects lie on both sides of the plate, 0.11 to 0.29 m off centre. Consumes `rng`.
+    They lie on both sides, 0.11 to 0.29 m off centre, clear of plate, bin and tub. All the food
+    is always drawn, so that the same seed puts a thing at the same place, whatever else is there.
+    Consumes `rng`.
     """
+    drawn = rows(_whole_table(stock))
+    nearest = (lambda y: 0.17) if "tub" in stock else (lambda y: 0.12 if y < 0.01 else 0.17)
     while True:
-        spots = _scatter(rng)
+        spots = _scatter(rng, len(drawn), nearest)
         if spots is not None:
             break
-    yaws = rng.uniform(-np.pi / 4, np.pi / 4, COUNT)
-    heights = [item.half_height_m + 0.001 for item in OBJECTS]
-    return np.column_stack([spots, heights, yaws])
+    yaws = rng.uniform(-np.pi / 4, np.pi / 4, len(drawn))
+    places = {}
+    for row, spot, yaw in zip(drawn, spots.tolist(), yaws.tolist(), strict=True):
+        if OBJECTS[row].name in stock:
+            places[row] = (*spot, OBJECTS[row].half_height_m + 0.001, yaw)
+    return places
 
 
-def _scatter(rng: np.random.Generator) -> np.ndarray | None:
-    """Seven points, [7, 2], far enough apart; None where the draw ran into a corner."""
-    sides = rng.permutation(np.resize([-1.0, 1.0], COUNT))
+def _whole_table(stock: Stock) -> Stock:
+    """All movable things of the table that a stock belongs to."""
+    kinds = {item.kind for item in OBJECTS if item.name in stock} or {"food"}
+    if kinds != {"food"}:
+        kinds |= {"dish", "rubbish"}
+    return frozenset(item.name for item in OBJECTS if item.kind in kinds)
+
+
+def _scatter(
+    rng: np.random.Generator, count: int, nearest: Callable[[float], float]
+) -> np.ndarray | None:
+    """Points, [count, 2], far enough apart; None where the draw ran into a corner.
+
+    nearest: how near to the middle a thing may lie, by its y.
+    """
+    sides = rng.permutation(np.resize([-1.0, 1.0], count))
     spots: list[np.ndarray] = []
     for side in sides:
         for _ in range(60):
             y = rng.uniform(-0.20, 0.17)
-            spot = np.array([side * rng.uniform(0.12 if y < 0.01 else 0.17, 0.285), y])
+            spot = np.array([side * rng.uniform(nearest(y), 0.285), y])
             if all(np.hypot(*(spot - other)) >= SPACING_M for other in spots):
                 spots.append(spot)
                 break

@@ -1,13 +1,13 @@
-"""The skills of the low level and the words for them: eleven commands, each with paraphrases."""
+"""The skills of the low level and the words for them: twenty commands, each with paraphrases."""
 
 from dataclasses import dataclass
 from typing import Literal
 
 from shared.workcell.errors import UnknownCommand
-from shared.workcell.objects import OBJECT_NAMES, index
-from shared.workcell.state import CellState, in_bin, on_table, stack_on_plate
+from shared.workcell.objects import BIN, OBJECT_NAMES, PLATE, TUB, index
+from shared.workcell.state import CellState, in_bin, in_tub, on_table, stack_on_plate
 
-Verb = Literal["pick", "plate", "bin", "down", "wait"]
+Verb = Literal["pick", "plate", "bin", "tub", "down", "wait"]
 
 LIFTED_M = 0.100
 """A pick is achieved when the held object is higher than this."""
@@ -16,6 +16,7 @@ _TEXTS: dict[Verb, str] = {
     "pick": "pick up the {}",
     "plate": "put it on the plate",
     "bin": "put it in the bin",
+    "tub": "put it in the tub",
     "down": "put it down",
     "wait": "wait",
 }
@@ -25,7 +26,7 @@ _TEXTS: dict[Verb, str] = {
 class Skill:
     """What one command asks for.
 
-    verb: pick, plate, bin, down or wait.
+    verb: pick, plate, bin, tub, down or wait.
     object: name of the object for pick, None otherwise.
     """
 
@@ -40,13 +41,14 @@ class Skill:
 
 SKILLS = (
     *(Skill("pick", name) for name in OBJECT_NAMES),
-    *(Skill(verb) for verb in ("plate", "bin", "down", "wait")),
+    *(Skill(verb) for verb in ("plate", "bin", "tub", "down", "wait")),
 )
 COMMANDS = tuple(skill.text for skill in SKILLS)
-"""The canonical commands in their fixed order: seven picks, plate, bin, down, wait."""
+"""The canonical commands in their fixed order: fifteen picks, plate, bin, tub, down, wait."""
 
-PUT_ON_PLATE, PUT_IN_BIN, PUT_DOWN, WAIT = COMMANDS[-4:]
-PUTS = frozenset({PUT_ON_PLATE, PUT_IN_BIN, PUT_DOWN})
+PUT_ON_PLATE, PUT_IN_BIN, PUT_IN_TUB, PUT_DOWN, WAIT = COMMANDS[-5:]
+PUTS = frozenset({PUT_ON_PLATE, PUT_IN_BIN, PUT_IN_TUB, PUT_DOWN})
+_FIXTURES: dict[Verb, int] = {"plate": PLATE, "bin": BIN, "tub": TUB}
 
 _BY_TEXT = dict(zip(COMMANDS, SKILLS, strict=True))
 
@@ -66,6 +68,24 @@ def parse(text: str) -> Skill:
     if skill is None:
         raise UnknownCommand(text, COMMANDS)
     return skill
+
+
+def obstacle(skill: Skill, state: CellState) -> str:
+    """Why the skill can't be done in this state, in a clause; "" where it can."""
+    if skill.verb == "wait":
+        return ""
+    if skill.object is not None:
+        there = bool(state.present[index(skill.object)])
+        return "" if there else f"there is no {skill.object} here"
+    row = _FIXTURES.get(skill.verb)
+    if row is not None and not state.present[row]:
+        return f"there is no {skill.verb} here"
+    return "" if state.holding else "no hand holds anything"
+
+
+def possible(skill: Skill, state: CellState) -> bool:
+    """Whether the skill can be done in this state."""
+    return not obstacle(skill, state)
 
 
 def achieved(skill: Skill, before: CellState, now: CellState) -> bool:
@@ -88,6 +108,8 @@ def _arrived(verb: Verb, item: int, state: CellState) -> bool:
         return stack_on_plate(state)[-1:] == (item,)
     if verb == "bin":
         return item in in_bin(state)
+    if verb == "tub":
+        return item in in_tub(state)
     return on_table(state, item)
 
 
@@ -113,6 +135,14 @@ _NICKNAMES = {
     "lettuce": ("take the lettuce leaf", "grab the salad leaf"),
     "tomato": ("take the slice of tomato", "grab the red slice"),
     "onion": ("take the slice of onion", "grab the onion ring"),
+    "cup": ("take the red mug", "grab the red cup"),
+    "bowl": ("take the blue bowl", "grab the blue dish"),
+    "glass": ("take the green glass", "grab the tumbler"),
+    "saucer": ("take the little white plate", "grab the white saucer"),
+    "can": ("take the red tin", "grab the empty can"),
+    "wrapper": ("take the yellow wrapper", "grab the candy wrapper"),
+    "carton": ("take the blue carton", "grab the empty box"),
+    "napkin": ("take the white napkin", "grab the paper napkin"),
 }
 
 PARAPHRASES: dict[str, tuple[str, ...]] = {
@@ -143,6 +173,18 @@ PARAPHRASES: dict[str, tuple[str, ...]] = {
         "drop it into the blue bin",
         "pack it into the bin",
         "into the bin with it",
+    ),
+    PUT_IN_TUB: (
+        "put it in the tub",
+        "drop it in the tub",
+        "place it in the tub",
+        "into the tub",
+        "it goes in the tub",
+        "no, in the tub",
+        "put it in the grey tub",
+        "put it with the dishes",
+        "that belongs in the tub",
+        "into the tub with it",
     ),
     PUT_DOWN: (
         "put it down",

@@ -1,8 +1,9 @@
 """The true state of the cell: what the expert, the tasks and the oracle know, as plain arrays.
 
-Letters: two arms, left first; 9 things in the order of `objects.BODY_NAMES`, the seven objects
-before plate and bin; 14 joints, seven an arm, the gripper last. Lengths in [m], angles in [rad],
-quaternions w x y z, all in the world frame.
+Letters: two arms, left first; 18 bodies in the order of `objects.BODY_NAMES`, the fifteen objects
+before plate, bin and tub; 14 joints, seven an arm, the gripper last. Lengths in [m], angles in
+[rad], quaternions w x y z, all in the world frame. What isn't in the cell is far away, at
+`objects.absent_at`, so that no rule takes it for near; `present` tells.
 """
 
 from collections.abc import Mapping
@@ -14,9 +15,17 @@ from typing import Any
 import numpy as np
 
 from shared.workcell.errors import InvalidState
-from shared.workcell.layout import BIN as BIN_BOX
-from shared.workcell.layout import PLATE_RADIUS_M, PLATE_TOP_M
-from shared.workcell.objects import BIN, COUNT, HALF_HEIGHTS_M, PLATE
+from shared.workcell.layout import CONTAINERS, PLATE_RADIUS_M, PLATE_TOP_M
+from shared.workcell.objects import (
+    ABSENT_Z_M,
+    BIN,
+    BODY_NAMES,
+    COUNT,
+    HALF_HEIGHTS_M,
+    OBJECTS,
+    PLATE,
+    TUB,
+)
 
 LEVEL_M = 0.007
 """How far an object's height may be off the top that it is said to lie on."""
@@ -27,15 +36,20 @@ BELOW_M = 0.032
 FLAT = 0.97
 STANDING = 0.6
 """An object lies flat above the one, stands on its edge below the other; see `tilts`."""
+IN_M = 0.090
+"""What lies in the bin or the tub has its centre below this."""
 COVER_M = 0.045
 """Two objects closer than this, seen from above, cover one another."""
+
+_BLOCKS = [row for row, item in enumerate(OBJECTS) if item.shape == "block"]
+_BLOCK_SIZES = np.array([OBJECTS[row].half_sizes_m for row in _BLOCKS])  # (4, 3)
 
 Shape = tuple[int, ...]
 SHAPES: dict[str, tuple[Shape, str]] = {
     "joints": ((14,), "float64"),
     "tools": ((2, 4), "float64"),
-    "positions": ((9, 3), "float64"),
-    "quaternions": ((9, 4), "float64"),
+    "positions": ((len(BODY_NAMES), 3), "float64"),
+    "quaternions": ((len(BODY_NAMES), 4), "float64"),
     "held": ((2,), "int64"),
 }
 
@@ -46,8 +60,8 @@ class CellState:
 
     joints: [14] measured joints; an arm's last is the gap between its pads.
     tools: [2, 4] x, y, z and yaw of each tool; the yaw is that of the line between the fingers.
-    positions: [9, 3] centres of the objects, of the plate and of the bin.
-    quaternions: [9, 4] their orientations.
+    positions: [18, 3] centres of the objects, of plate, bin and tub.
+    quaternions: [18, 4] their orientations.
     held: [2] index of the object between each arm's pads, -1 for none.
     """
 
@@ -105,10 +119,30 @@ class CellState:
         return frozenset(int(item) for item in self.held if item >= 0)
 
     @cached_property
+    def present(self) -> np.ndarray:
+        """Which bodies are in the cell. [18] bool"""
+        there: np.ndarray = self.positions[:, 2] < ABSENT_Z_M
+        return there
+
+    @cached_property
     def tilts(self) -> list[float]:
-        """|cos| of each object's tilt: 1 lies flat, 0 stands on its edge. [7]"""
+        """|cos| of each object's tilt: 1 lies flat, 0 stands on its edge; 1 for blocks. [15]
+
+        A block lies well on any side, also on its end.
+        """
         x, y = self.quaternions[:COUNT, 1], self.quaternions[:COUNT, 2]
-        return np.abs(1.0 - 2.0 * (x * x + y * y)).tolist()  # type: ignore[no-any-return]
+        tilts = np.abs(1.0 - 2.0 * (x * x + y * y))
+        tilts[_BLOCKS] = 1.0
+        return tilts.tolist()  # type: ignore[no-any-return]
+
+    @cached_property
+    def half_heights(self) -> list[float]:
+        """How far each object reaches up and down from its centre; a block on any side. [15]"""
+        heights = HALF_HEIGHTS_M.copy()
+        w, x, y, z = self.quaternions[_BLOCKS].T
+        upward = np.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], 1)
+        heights[_BLOCKS] = (np.abs(upward) * _BLOCK_SIZES).sum(1)
+        return heights.tolist()  # type: ignore[no-any-return]
 
 
 def held_object(state: CellState) -> int | None:
@@ -151,20 +185,36 @@ def astray_on_plate(state: CellState) -> tuple[int, ...]:
     return tuple(sorted(astray, key=lambda item: (-state.points[item][2], item)))
 
 
-def in_bin(state: CellState) -> frozenset[int]:
-    """Objects that lie in the bin; one that a hand holds over it does not count."""
+def inside(state: CellState, container: int) -> frozenset[int]:
+    """Objects that lie in the bin or the tub; one that a hand holds over it does not count.
+
+    container: the row of `BIN` or `TUB`.
+    """
     return frozenset(
         item
         for item in range(COUNT)
-        if item not in state.holding and over_bin(state, item) and state.points[item][2] < 0.08
+        if item not in state.holding
+        and over(state, item, container)
+        and state.points[item][2] < IN_M
     )
 
 
-def over_bin(state: CellState, item: int) -> bool:
-    """Whether the centre of a thing is above the bin, at any height."""
-    bin_x, bin_y, _ = state.points[BIN]
+def over(state: CellState, item: int, container: int) -> bool:
+    """Whether the centre of a thing is above the bin or the tub, at any height."""
+    box_x, box_y, _ = state.points[container]
     x, y, _ = state.points[item]
-    return abs(x - bin_x) < BIN_BOX.half_x_m and abs(y - bin_y) < BIN_BOX.half_y_m
+    box = CONTAINERS[container]
+    return abs(x - box_x) < box.half_x_m and abs(y - box_y) < box.half_y_m
+
+
+def in_bin(state: CellState) -> frozenset[int]:
+    """Objects that lie in the bin."""
+    return inside(state, BIN)
+
+
+def in_tub(state: CellState) -> frozenset[int]:
+    """Objects that lie in the tub."""
+    return inside(state, TUB)
 
 
 def cover_of(state: CellState, item: int) -> int | None:
@@ -184,11 +234,12 @@ def top_at(state: CellState, x: float, y: float, floor_m: float, skip: int = -1)
     for item, (ox, oy, oz) in enumerate(state.points[:COUNT]):
         near = (ox - x) ** 2 + (oy - y) ** 2 < 0.055**2
         if near and item != skip and item not in state.holding:
-            top = max(top, oz + float(HALF_HEIGHTS_M[item]))
+            top = max(top, oz + state.half_heights[item])
     return top
 
 
 def on_table(state: CellState, item: int) -> bool:
-    """Whether the object lies on the table: in no hand, not on the plate, not in the bin."""
+    """Whether the object lies on the table: in no hand, not on the plate, in no container."""
     free = item not in state.holding and item not in near_plate(state)
-    return free and not over_bin(state, item) and state.points[item][2] < 0.08
+    packed = any(over(state, item, container) for container in CONTAINERS)
+    return free and not packed and state.points[item][2] < IN_M
