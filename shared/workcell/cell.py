@@ -18,10 +18,18 @@ from shared.workcell.kinematics import (
     JOINT_NAMES,
     inverse,
 )
-from shared.workcell.objects import BODY_NAMES, COUNT, OBJECT_NAMES
+from shared.workcell.objects import (
+    BODY_NAMES,
+    COUNT,
+    FIXTURE_NAMES,
+    KITCHEN,
+    OBJECT_NAMES,
+    Stock,
+    absent_at,
+)
 from shared.workcell.scene import SUBSTEPS, scene_xml
 from shared.workcell.site import Site, load_site
-from shared.workcell.state import CellState
+from shared.workcell.state import CellState, near_plate
 
 CONTROL_HZ = 50
 SETTLE_STEPS = 12
@@ -32,7 +40,7 @@ for _bounds in (ACTION_LOW, ACTION_HIGH):
 
 
 class Cell:
-    """Two arms, seven objects, plate and bin at one site; 14 joint targets a step at 50 Hz.
+    """Two arms, and a table with the things of a stock, at one site; 14 joint targets a step at 50 Hz.
 
     Equal seeds and actions give equal states to the bit, in one process and across processes.
     """
@@ -44,6 +52,7 @@ class Cell:
         self._index()
         self._rng = np.random.default_rng(0)
         self._slipping = [0, 0]
+        self.stock = KITCHEN
         self._eyes: dict[tuple[int, int, str], Eye] = {}
         self.reset(self._rng)
 
@@ -60,6 +69,9 @@ class Cell:
         self._object_rows = [int(model.joint(name).qposadr[0]) for name in OBJECT_NAMES]
         self._velocity_rows = [int(model.joint(name).dofadr[0]) for name in OBJECT_NAMES]
         self._bodies = [model.body(name).id for name in BODY_NAMES]
+        self._mocaps = {name: int(model.body(name).mocapid[0]) for name in FIXTURE_NAMES}
+        self._fixed = {name: model.body(name).pos.copy() for name in FIXTURE_NAMES}
+        self._object_bodies = self._bodies[:COUNT]
         self._sites = [model.site(f"{arm}_tool").id for arm in ARM_NAMES]
         self._pad_of_geom = np.full(model.ngeom, -1)
         self._object_of_geom = np.full(model.ngeom, -1)
@@ -69,20 +81,43 @@ class Cell:
         for row, name in enumerate(OBJECT_NAMES):
             self._object_of_geom[model.geom(name).id] = row
 
-    def reset(self, rng: np.random.Generator) -> None:
-        """Arms home, objects scattered anew and at rest. The cell keeps `rng` for the slips."""
-        self._rng, self._slipping = rng, [0, 0]
+    def reset(self, rng: np.random.Generator, stock: Stock = KITCHEN) -> None:
+        """Arms home, the things of a stock scattered anew and at rest, all others away.
+
+        The cell keeps `rng` for the slips.
+        """
+        self._rng, self._slipping, self.stock = rng, [0, 0], stock
         mujoco.mj_resetData(self._model, self._data)
         home = np.concatenate([[*inverse(arm, *HOME[arm]), GRIP_OPEN_M] for arm in (0, 1)])
         self._data.qpos[self._joint_rows] = home.reshape(2, 7)[:, :6]
         self._data.qpos[self._finger_rows] = GRIP_OPEN_M / 2
-        for item, (x, y, z, yaw) in enumerate(layout.starts(rng)):
-            self._set_pose(item, (x, y, z), yaw)
+        for row, name in enumerate(FIXTURE_NAMES, COUNT):
+            there = self._fixed[name] if name in stock else absent_at(row)
+            self._data.mocap_pos[self._mocaps[name]] = there
+        starts = layout.starts(rng, stock)
+        for item in range(COUNT):
+            if item in starts:
+                x, y, z, yaw = starts[item]
+                self._set_pose(item, (x, y, z), yaw)
+            else:
+                self._set_pose(item, absent_at(item), 0.0)
+            # What hovers far away is weightless and touches nothing: it costs next to nothing.
+            self._model.body_gravcomp[self._object_bodies[item]] = float(item not in starts)
         self._advance(home, SETTLE_STEPS)
 
     def place(self, name: str, position: tuple[float, float, float], yaw: float = 0.0) -> None:
-        """Put an object somewhere, at rest; for tests and for arranging a scene by hand."""
+        """Put an object of the stock somewhere, at rest: by a person, or to arrange a scene."""
         self._set_pose(OBJECT_NAMES.index(name), position, yaw)
+        mujoco.mj_forward(self._model, self._data)
+
+    def move_plate(self, x: float, y: float) -> None:
+        """Push the plate to (x, y) [m], with all that lies on it."""
+        mocap = self._mocaps["plate"]
+        shift = np.array([x, y]) - self._data.mocap_pos[mocap, :2]
+        for item in near_plate(self.state()):
+            row = self._object_rows[item]
+            self._data.qpos[row : row + 2] += shift
+        self._data.mocap_pos[mocap, :2] += shift
         mujoco.mj_forward(self._model, self._data)
 
     def step(self, targets: np.ndarray) -> None:
@@ -116,8 +151,8 @@ class Cell:
         )
 
     def snapshot(self) -> np.ndarray:
-        """All joint positions (qpos): what a `Studio` needs to draw this moment elsewhere."""
-        return np.array(self._data.qpos)
+        """Joint positions (qpos), then where the fixtures are: what a `Studio` draws from."""
+        return np.concatenate([self._data.qpos, self._data.mocap_pos.ravel()])
 
     def render(self, camera: str, height: int, width: int, style: str = "policy") -> np.ndarray:
         """A picture from camera top or angle, [height, width, 3] uint8, in a style of `STYLES`."""

@@ -29,8 +29,8 @@ class WorkcellEnv(gymnasium.Env[Observation, np.ndarray]):
     Action: [14] joint targets in rad, of each arm (left first) waist, shoulder, elbow, forearm
     roll, wrist angle, wrist rotate, and the gap between its pads in m.
     Observation: `proprioception` [22], the 14 measured joints, then of each tool x y z [m] and
-    yaw [rad]; `objects` [9, 9], of each thing its position and the first two columns of its
-    rotation; with `cameras` also `top` and `angle`, [64, 64, 3] uint8.
+    yaw [rad]; `objects` [18, 9], of each thing its position and the first two columns of its
+    rotation, zeros where it isn't in the cell; with `cameras` also `top` and `angle`, [64, 64, 3] uint8.
     Ends when the task has been fulfilled for 10 steps on end with empty hands; is cut off after
     `max_steps`. Everything random is drawn from the seed that `reset` gets.
     """
@@ -135,11 +135,13 @@ def proprioception(state: CellState) -> np.ndarray:
 
 
 def objects(state: CellState) -> np.ndarray:
-    """[9, 9] float32: position, then the first two columns of the rotation."""
+    """[18, 9] float32: position, then the first two columns of the rotation; 0 if not there."""
     w, x, y, z = state.quaternions.T
     first = np.stack([1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)], axis=1)
     second = np.stack([2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)], axis=1)
-    return np.concatenate([state.positions, first, second], axis=1).astype(np.float32)
+    rows = np.concatenate([state.positions, first, second], axis=1).astype(np.float32)
+    rows[~state.present] = 0.0
+    return rows
 
 
 def _space(cameras: bool) -> spaces.Space[Observation]:

@@ -61,6 +61,8 @@ def _work(state: CellState, skill: Skill) -> tuple[int, Goal] | None:
     if skill.verb != "pick" or skill.object is None:
         return None if arm is None else (arm, _put(state, arm, skill.verb))
     item = index(skill.object)
+    if not state.present[item]:
+        return None
     if arm is None:
         arm = placing.picking_arm(state, item)
         reach = _topple if state.tilts[item] < STANDING else _pick
@@ -86,7 +88,7 @@ def _pick(state: CellState, arm: int, item: int) -> Goal:
     x, y, z = state.points[item]
     yaw = placing.grasp_yaw(state, arm, item)
     rotate, gap = _rotate_to(state, arm, x, y, yaw), float(state.joints[7 * arm + 6])
-    depth = placing.grasp_height(x, y, z, yaw)
+    depth = placing.grasp_height(state, x, y, z, yaw)
     offset, turn = _errors(state, arm, x, y, rotate)
     off_height = abs(float(state.tools[arm, 2]) - depth)
     limit = AIM_M if gap > 0.074 else 0.014

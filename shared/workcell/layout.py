@@ -50,7 +50,6 @@ BIN_TOP_M = 0.013
 
 TUB = Box(0.0, -0.095, 0.103, 0.103)
 """The middle line of the tub's walls; it stands where the plate stands on the other table."""
-TUB_TOP_M = 0.017
 
 CONTAINERS = {BIN_ROW: BIN, TUB_ROW: TUB}
 """By their rows; walls and floor of both are alike."""

@@ -6,8 +6,7 @@ other: the expert does not plan around the other arm.
 
 import numpy as np
 
-from shared.workcell import layout
-from shared.workcell.food import look_xml
+from shared.workcell import food, layout, wares
 from shared.workcell.objects import OBJECTS, Object
 from shared.workcell.robot import actuators_xml, arm_xml, coupling_xml
 from shared.workcell.site import CameraShift, Colour, Offset, Site
@@ -86,6 +85,7 @@ def _assets(site: Site) -> str:
             ("tray", shades.tray, 0.05),
             ("plate", shades.plate, 0.3),
             ("bin", shades.bin, 0.2),
+            ("tub", shades.tub, 0.2),
             ("graphite", (0.17, 0.18, 0.20), 0.35),
             ("metal", (0.40, 0.42, 0.45), 0.5),
             ("rubber", (0.10, 0.10, 0.11), 0.05),
@@ -137,7 +137,6 @@ def _furniture() -> str:
     """Floor, table, tray with its rim, plate and bin."""
     tray, rim = layout.TRAY, layout.RIM_M
     plate_x, plate_y = layout.PLATE_XY
-    box, wall, floor = layout.BIN, layout.BIN_WALL_M, layout.BIN_FLOOR_M
     radius, top = layout.PLATE_RADIUS_M, layout.PLATE_TOP_M
     return f"""
     <geom class="look" type="plane" size="4 4 .1" pos="0 0 -.75" material="floor"/>
@@ -146,7 +145,7 @@ def _furniture() -> str:
     <geom class="look" type="box" size="{tray.half_x_m} {tray.half_y_m} .0005"
       pos="{tray.x_m} {tray.y_m} 0" material="tray"/>
     {_walls(tray, rim, layout.RIM_TOP_M, "wood")}
-    <body name="plate" pos="{plate_x} {plate_y} 0">
+    <body name="plate" mocap="true" pos="{plate_x} {plate_y} 0">
       <geom class="furniture" type="cylinder" size="{radius} .02" pos="0 0 {top - 0.02}"
         material="plate"/>
       <geom class="look" type="cylinder" size="{radius * 0.74} .0003" pos="0 0 {top}"
@@ -154,10 +153,18 @@ def _furniture() -> str:
       <geom class="look" type="cylinder" size="{radius * 0.71} .0004" pos="0 0 {top}"
         material="plate"/>
     </body>
-    <body name="bin" pos="{box.x_m} {box.y_m} 0">
+    {_container("bin", layout.BIN)}
+    {_container("tub", layout.TUB)}"""
+
+
+def _container(name: str, box: layout.Box) -> str:
+    """A shallow open box; it stands still, but a table may be without it."""
+    wall, floor = layout.BIN_WALL_M, layout.BIN_FLOOR_M
+    return f"""
+    <body name="{name}" mocap="true" pos="{box.x_m} {box.y_m} 0">
       <geom class="furniture" type="box" size="{box.half_x_m} {box.half_y_m} .02"
-        pos="0 0 {floor - 0.02}" material="bin"/>
-      {_walls(layout.Box(0.0, 0.0, box.half_x_m, box.half_y_m), wall, layout.BIN_TOP_M, "bin")}
+        pos="0 0 {floor - 0.02}" material="{name}"/>
+      {_walls(layout.Box(0.0, 0.0, box.half_x_m, box.half_y_m), wall, layout.BIN_TOP_M, name)}
     </body>"""
 
 
@@ -183,11 +190,12 @@ def _walls(box: layout.Box, half: float, height: float, material: str) -> str:
 
 
 def _object(item: Object, site: Site) -> str:
-    width, height = item.half_width_m, item.half_height_m
+    look_xml = food.look_xml if item.kind == "food" else wares.look_xml
+    width, length, height = item.half_sizes_m
     kind, size = (
-        ("box", f"{width} {width} {height}")
-        if item.shape == "slice"
-        else ("cylinder", f"{width} {height}")
+        ("cylinder", f"{width} {height}")
+        if item.shape == "disc"
+        else ("box", f"{width} {length} {height}")
     )
     return f"""
     <body name="{item.name}" pos="0 0 .5">

@@ -43,6 +43,7 @@ class Shades(_Part):
     tray: Colour = (0.27, 0.26, 0.26)
     plate: Colour = (0.93, 0.92, 0.88)
     bin: Colour = (0.16, 0.36, 0.68)
+    tub: Colour = (0.62, 0.64, 0.66)
     wall: Colour = (0.72, 0.77, 0.80)
     hue: Annotated[float, Field(ge=-0.05, le=0.05)] = 0.0
     saturation: Annotated[float, Field(ge=0.5, le=1.5)] = 1.0

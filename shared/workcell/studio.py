@@ -23,7 +23,9 @@ class Studio:
 
     def picture(self, snapshot: np.ndarray, camera: str, width: int, height: int) -> np.ndarray:
         """What `camera` sees at a `snapshot` of the cell, [height, width, 3] uint8."""
-        self._data.qpos[:] = snapshot
+        joints = self._model.nq
+        self._data.qpos[:] = snapshot[:joints]
+        self._data.mocap_pos[:] = snapshot[joints:].reshape(-1, 3)
         mujoco.mj_kinematics(self._model, self._data)
         mujoco.mj_camlight(self._model, self._data)
         size = (width, height)
