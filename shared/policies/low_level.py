@@ -7,17 +7,17 @@ from pathlib import Path
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor
 
 from shared.errors import PolicyError
 from shared.goals.family import Floats, GoalFamily, open_family
 from shared.messages.goal import Goal
-from shared.policies import checkpoint
+from shared.policies import checkpoint, reader
 from shared.policies.checkpoint import Tensors, sha256_tensors
-from shared.policies.geometry import Geometry
-from shared.policies.low_net import CHUNK, LowNet, targets
-
-_MEASURES = ("places", "half_heights", "round", "base_x")
+from shared.policies.geometry import MEASURES, OPEN_GAP_M, Geometry
+from shared.policies.low_net import CHUNK, CLOSED_M, OPEN_M, LowNet, Orders, targets
+from shared.policies.reader import Reader, Reading
 
 
 class LowLevel:
@@ -28,9 +28,9 @@ class LowLevel:
     Source: action chunks of Zhao et al. 2023 (arXiv 2304.13705), by regression, without the VAE.
     """
 
-    def __init__(self, net: LowNet, family: GoalFamily | None = None) -> None:
+    def __init__(self, net: LowNet, words: Reader) -> None:
         self._net = net.eval().requires_grad_(False)
-        self._family = family or open_family("language")
+        self.reader = words
         self.sha256 = sha256_tensors(self.tensors())
         self.chunk_steps = CHUNK
 
@@ -41,11 +41,12 @@ class LowLevel:
         Raises:
             PolicyError: the folder holds no low level.
         """
-        return cls(build(checkpoint.load(folder)[0]), family)
+        tensors = checkpoint.load(folder)[0]
+        return cls(build(tensors), reader.restore(tensors, family or open_family("language")))
 
     def tensors(self) -> Tensors:
         """Copies of all tensors by name."""
-        return {name: value.numpy().copy() for name, value in self._net.state_dict().items()}
+        return {**as_tensors(self._net), **self.reader.tensors()}
 
     def fingerprint(self) -> str:
         """The hash over all tensors as they are in memory now; `sha256` as long as frozen."""
@@ -54,41 +55,95 @@ class LowLevel:
     def act(self, proprioception: Floats, objects: Floats, goal: Goal) -> Floats:
         """The next action chunk, [10, 14] float32: joint targets in rad, grippers in m.
 
-        proprioception: [22] float32, objects: [9, 9] float32, as in `Observation`.
+        proprioception: [22] float32, objects: [18, 9] float32, as in `Observation`. Where it
+        objects to the goal the arms stay as they are.
         """
         chunk: Floats = self.act_all(proprioception[None], objects[None], (goal,))[0]
         return chunk
 
     def act_all(self, proprioception: Floats, objects: Floats, goals: tuple[Goal, ...]) -> Floats:
-        """`act` for B robots at once: [B, 22], [B, 9, 9] and B goals to [B, 10, 14]."""
-        words = torch.from_numpy(self._family.embed(goals))
+        """`act` for B robots at once: [B, 22], [B, 18, 9] and B goals to [B, 10, 14]."""
+        rows = [self._understood(goal, objects[at]) for at, goal in enumerate(goals)]
         with torch.inference_mode():
-            both = self._targets(torch.from_numpy(proprioception), torch.from_numpy(objects), words)
+            both = self._motion(proprioception, objects, self._orders(rows))[0]
         chunk: Floats = both.numpy()
+        for at, row in enumerate(rows):
+            if row is None:
+                chunk[at] = _still(proprioception[at])
         return chunk
 
     def completion(self, proprioception: Floats, objects: Floats, goal: Goal) -> float:
-        """See `LowLevel.completion` of the rollout.
-
-        Raises:
-            PolicyError: always, since this network has no classifier.
-        """
-        del proprioception, objects
-        raise PolicyError(
-            f"this low level can't tell whether {goal.text!r} is achieved; set replan=interval"
-        )
+        """See `LowLevel.completion` of the rollout; 0 for a goal that it objects to."""
+        row = self._understood(goal, objects)
+        if row is None:
+            return 0.0
+        with torch.inference_mode():
+            done = self._motion(proprioception[None], objects[None], self._orders([row]))[1]
+        return float(done[0])
 
     def objection(self, goal: Goal, objects: Floats) -> str:
-        """None: whatever is said, this network does something."""
-        del goal, objects
-        return ""
+        """Why it can't do the goal in this scene; "" if it understands the goal and can."""
+        there = _present(objects)
+        reading = self.reader.read(goal.text, there)
+        nearest = ", ".join(
+            repr(text) for text, _ in self.reader.nearest(reading.scores, there)
+        )
+        if reading.command is None:
+            return f"the low level doesn't understand {goal.text!r}; nearest it knows: {nearest}"
+        if self._possible(reading.command, there):
+            return ""
+        command = self.reader.commands[reading.command]
+        return f"{command!r} can't be done here, since that isn't in the scene; nearest: {nearest}"
 
-    def _targets(self, proprioception: Tensor, objects: Tensor, words: Tensor) -> Tensor:
-        count = len(words)
+    def read(self, goal: Goal, objects: Floats) -> Reading:
+        """What it takes a goal for in this scene."""
+        return self.reader.read(goal.text, _present(objects))
+
+    def _understood(self, goal: Goal, objects: Floats) -> int | None:
+        """The command that a goal means, None where there is an objection."""
+        there = _present(objects)
+        row = self.reader.read(goal.text, there).command
+        return row if row is not None and self._possible(row, there) else None
+
+    def _possible(self, row: int, there: NDArray[np.bool_]) -> bool:
+        return bool(self.reader.possible(there)[row])
+
+    def _orders(self, rows: list[int | None]) -> Orders:
+        """Of each robot; an objected goal is computed as the first command, and not used."""
+        known = np.array([row or 0 for row in rows])
+        verbs, things = self.reader.verbs[known], self.reader.things[known]
+        held = things < self._net.geometry.sizes.shape[0]  # Fixtures are no objects.
+        return Orders(
+            torch.from_numpy(verbs), torch.from_numpy(np.where(held, things, -1))
+        )
+
+    def _motion(
+        self, proprioception: Floats, objects: Floats, orders: Orders
+    ) -> tuple[Tensor, Tensor]:
+        """Targets [B, 10, 14] and the probability that the command is achieved, [B]."""
+        count = len(orders.verbs)
         arm = torch.arange(2).repeat_interleave(count)
-        view = self._net.geometry(proprioception.repeat(2, 1), objects.repeat(2, 1, 1), arm)
-        chunks = targets(self._net(view, words.repeat(2, 1)), view.now)
-        return torch.cat([chunks[:count], chunks[count:]], -1)
+        seen = torch.from_numpy(proprioception).repeat(2, 1)
+        view = self._net.geometry(seen, torch.from_numpy(objects).repeat(2, 1, 1), arm)
+        motion = self._net(view, Orders(*(part.repeat(2) for part in orders)))
+        chunks = targets(motion.changes, view.now)
+        done = torch.sigmoid(motion.done.reshape(2, count).mean(0))
+        return torch.cat([chunks[:count], chunks[count:]], -1), done
+
+
+def _present(objects: Floats) -> NDArray[np.bool_]:
+    """[18] What is in the scene: the rows of absent bodies are zero."""
+    there: NDArray[np.bool_] = np.abs(objects).max(-1) > 0
+    return there
+
+
+def _still(proprioception: Floats) -> Floats:
+    """Stay as you are, [10, 14]: joints where they are, grippers open or closed as they are."""
+    now = proprioception[:14].copy()
+    gaps = now[[6, 13]]
+    now[[6, 13]] = np.where(gaps < OPEN_GAP_M, CLOSED_M, OPEN_M)
+    chunk: Floats = np.repeat(now[None], CHUNK, 0)
+    return chunk
 
 
 def build(tensors: Tensors) -> LowNet:
@@ -97,10 +152,11 @@ def build(tensors: Tensors) -> LowNet:
     Raises:
         PolicyError: the tensors are not a low level's.
     """
+    own = {name: value for name, value in tensors.items() if not name.startswith("reader.")}
     try:
-        measures = {name: torch.from_numpy(tensors[f"geometry.{name}"]) for name in _MEASURES}
+        measures = {name: torch.from_numpy(tensors[f"geometry.{name}"]) for name in MEASURES}
         net = LowNet(Geometry(measures), width=len(tensors["enter.bias"]))
-        net.load_state_dict({name: torch.from_numpy(value) for name, value in tensors.items()})
+        net.load_state_dict({name: torch.from_numpy(value) for name, value in own.items()})
     except (KeyError, RuntimeError) as error:
         raise PolicyError(f"these tensors are no low level: {error}") from None
     return net

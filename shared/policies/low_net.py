@@ -3,10 +3,24 @@
 R rows (a moment and an arm), K tokens, S = 10 steps of a chunk, 7 joints an arm.
 """
 
+from typing import NamedTuple
+
 import torch
 from torch import Tensor, nn
 
-from shared.policies.geometry import BODY_FEATURES, OBJECTS, TOKEN_FEATURES, Geometry, View
+from shared.policies.geometry import (
+    BODY_FEATURES,
+    HOME,
+    IN_BIN,
+    IN_TUB,
+    OBJECTS,
+    ON_PLATE,
+    SPOT,
+    THING,
+    TOKEN_FEATURES,
+    Geometry,
+    View,
+)
 
 CHUNK = 10
 JOINTS = 6
@@ -14,29 +28,63 @@ UNIT_RAD = 0.01
 """Below this a change of a joint is learned in proportion, above it by its logarithm."""
 OPEN_M, CLOSED_M = 0.080, -0.020
 HEADS = 4
+KINDS = 6
+
+VERBS = ("pick", "plate", "bin", "tub", "down", "wait")
+_ABOUT = {
+    "pick": (THING, SPOT),  # What is in the way, in the hand, is put down first.
+    "plate": (ON_PLATE,),
+    "bin": (IN_BIN,),
+    "tub": (IN_TUB,),
+    "down": (SPOT,),
+    "wait": (),
+}
+
+
+class Orders(NamedTuple):
+    """Commands as the network reads them: verbs [R] int64, rows of `VERBS`; things [R] int64, the
+    row of the object, -1 for none."""
+
+    verbs: Tensor
+    things: Tensor
+
+
+class Motion(NamedTuple):
+    """changes [R, S, 7]: squashed joint changes and a logit of the gripper being open;
+    done [R]: a logit of the command being achieved."""
+
+    changes: Tensor
+    done: Tensor
 
 
 class LowNet(nn.Module):
-    """Picks the tokens that the command is about, then maps them to joint motions.
+    """Looks at the tokens that the command is about, then maps them to joint motions.
 
-    The command selects tokens by their kind and by how they lie (`HEADS` soft choices); what is
-    at the tool and the maximum over all tokens are added. The output is the change of each joint
-    from now, squashed by asinh so that a millimetre near the goal weighs as much as a
-    decimetre far from it, and a logit for the gripper being open.
+    The command points at its object; among places of its kind the network chooses by how they
+    lie (`HEADS` soft choices). What is at the tool and the maximum over all tokens are added. The
+    output is the change of each joint from now, squashed by asinh so that a millimetre near the
+    goal weighs as much as a decimetre far from it, and a logit for the gripper being open.
     """
 
-    def __init__(self, geometry: Geometry, width: int = 384, words: int = 384) -> None:
+    kinds: Tensor
+    about: Tensor
+
+    def __init__(self, geometry: Geometry, width: int = 384) -> None:
         super().__init__()
         self.geometry = geometry
-        kinds = OBJECTS + geometry.places.shape[1]
-        self.command = nn.Sequential(nn.Linear(words, 64), nn.GELU(), nn.LayerNorm(64))
-        self.kind = nn.Parameter(torch.randn(kinds, 32) * 0.3)
+        self.register_buffer("kinds", geometry.kinds, persistent=False)
+        about = torch.zeros(len(VERBS), KINDS, dtype=torch.bool)
+        for row, verb in enumerate(VERBS):
+            about[row, [*_ABOUT[verb], HOME]] = True
+        self.register_buffer("about", about, persistent=False)
+        self.command = nn.Embedding(len(VERBS), 64)
+        self.kind = nn.Parameter(torch.randn(KINDS, 32) * 0.3)
         self.lie = nn.Linear(TOKEN_FEATURES, 32)
         self.choose = nn.Linear(64, HEADS * 32)
         self.weigh = nn.Linear(64, HEADS * 32)
-        self.label = nn.Parameter(torch.randn(kinds, 8) * 0.3)
+        self.label = nn.Parameter(torch.randn(KINDS, 8) * 0.3)
         self.sight = nn.Sequential(nn.Linear(TOKEN_FEATURES + 8, 64), nn.GELU())
-        chosen = HEADS * (TOKEN_FEATURES + 8) + TOKEN_FEATURES + 8 + 64
+        chosen = (HEADS + 2) * (TOKEN_FEATURES + 8) + 64
         self.enter = nn.Linear(chosen + BODY_FEATURES + 64, width)
         self.blocks = nn.ModuleList(
             nn.Sequential(nn.LayerNorm(width), nn.Linear(width, width), nn.GELU()) for _ in range(2)
@@ -44,26 +92,38 @@ class LowNet(nn.Module):
         self.leave = nn.Sequential(
             nn.LayerNorm(width), nn.Linear(width, width), nn.GELU(), nn.Linear(width, CHUNK * 7)
         )
+        self.finished = nn.Sequential(
+            nn.LayerNorm(width), nn.Linear(width, 64), nn.GELU(), nn.Linear(64, 1)
+        )
 
-    def forward(self, view: View, words: Tensor) -> Tensor:
-        """words [R, 384] sentence vectors; returns [R, S, 7], squashed changes and a logit."""
-        command = self.command(words)
-        tokens = torch.cat([view.tokens, self.label.expand(len(words), -1, -1)], -1)
-        chosen = self._choice(view.tokens, command) @ tokens
+    def forward(self, view: View, orders: Orders) -> Motion:
+        """What this arm does for its command."""
+        command = self.command(orders.verbs)
+        count = len(command)
+        labels = self.label[self.kinds].expand(count, -1, -1)
+        tokens = torch.cat([view.tokens, labels], -1)
+        chosen = self._choice(view, orders, command) @ tokens
         near = (view.near.unsqueeze(1) @ tokens[:, :OBJECTS]).flatten(1)
-        sights = self.sight(tokens).amax(1)
-        x = self.enter(torch.cat([chosen.flatten(1), near, sights, view.body, command], -1))
+        pointed = tokens[torch.arange(count), orders.things.clamp(min=0)]
+        pointed = pointed * (orders.things >= 0).unsqueeze(1)
+        sights = self.sight(tokens).masked_fill(~view.valid.unsqueeze(-1), -1.0).amax(1)
+        parts = [chosen.flatten(1), near, pointed, sights, view.body, command]
+        x = self.enter(torch.cat(parts, -1))
         for block in self.blocks:
             x = x + block(x)
-        changes: Tensor = self.leave(x).unflatten(-1, (CHUNK, 7))
-        return changes
+        return Motion(self.leave(x).unflatten(-1, (CHUNK, 7)), self.finished(x).squeeze(-1))
 
-    def _choice(self, tokens: Tensor, command: Tensor) -> Tensor:
+    def _choice(self, view: View, orders: Orders, command: Tensor) -> Tensor:
         """Weights of the tokens for each head, [R, HEADS, K]."""
-        by_kind = self.choose(command).unflatten(-1, (HEADS, 32)) @ self.kind.T
-        lies = nn.functional.gelu(self.lie(tokens))
+        kinds = self.kind[self.kinds]
+        by_kind = self.choose(command).unflatten(-1, (HEADS, 32)) @ kinds.T
+        lies = nn.functional.gelu(self.lie(view.tokens))
         by_lie = self.weigh(command).unflatten(-1, (HEADS, 32)) @ lies.transpose(1, 2)
-        return torch.softmax(by_kind + by_lie, -1)
+        allowed = self.about[orders.verbs][:, self.kinds] & view.valid
+        rows = torch.arange(OBJECTS)
+        allowed[:, :OBJECTS] &= rows == orders.things.unsqueeze(1)
+        scores = (by_kind + by_lie).float()
+        return torch.softmax(scores.masked_fill(~allowed.unsqueeze(1), -1e4), -1).to(lies.dtype)
 
 
 def squash(change: Tensor) -> Tensor:

@@ -5,7 +5,8 @@ from typing import Protocol
 import numpy as np
 
 from shared.workcell import skills
-from shared.workcell.skills import COMMANDS, Skill
+from shared.workcell.objects import BODY_NAMES, KITCHEN, OBJECT_NAMES, TABLE, Stock
+from shared.workcell.skills import COMMANDS, SKILLS, Skill
 from shared.workcell.state import CellState
 from shared.workcell.tasks import TASKS
 from shared.workcell.tasks.task import Brief, Task
@@ -82,15 +83,41 @@ class ChainCommander:
 
     def draw(self, state: CellState) -> Skill:
         """A random skill, mostly one that makes sense in this state."""
-        weights = [0.33, 0.36, 0.18, 0.04] if state.holding else [0.02, 0.02, 0.02, 0.04]
-        picks = 1.0 - sum(weights)
-        row = self._rng.choice(11, p=[picks / 7] * 7 + weights)
-        return skills.parse(COMMANDS[int(row)])
+        chances = _HOLDING if state.holding else _EMPTY
+        possible = [skill for skill in SKILLS if state.present[_needs(skill)].all()]
+        weights = np.array([chances[skill.verb] for skill in possible])
+        picks = np.array([skill.verb == "pick" for skill in possible])
+        weights[picks] /= max(1, picks.sum())
+        row = self._rng.choice(len(possible), p=weights / weights.sum())
+        return possible[int(row)]
 
 
-def draw_commander(rng: np.random.Generator, chains: float, mistakes: float) -> Commander:
-    """A random chain with chance `chains`, else a random task."""
+_HOLDING = {"plate": 0.30, "tub": 0.33, "bin": 0.33, "down": 0.26, "wait": 0.03, "pick": 0.10}
+_EMPTY = {"plate": 0.01, "tub": 0.01, "bin": 0.01, "down": 0.01, "wait": 0.04, "pick": 0.92}
+
+
+def _needs(skill: Skill) -> list[int]:
+    """Rows of what the skill can't do without."""
+    name = skill.object or skill.verb
+    return [BODY_NAMES.index(name)] if name in BODY_NAMES else []
+
+
+def draw_commander(
+    rng: np.random.Generator, chains: float, mistakes: float
+) -> tuple[Commander, Stock]:
+    """A random chain with chance `chains`, else a random task; and what is on the table."""
     if rng.random() < chains:
-        return ChainCommander(rng)
+        return ChainCommander(rng), draw_stock(rng)
     task = list(TASKS.values())[int(rng.integers(len(TASKS)))]
-    return TaskCommander(task.sample(rng), task, rng, mistakes)
+    brief = task.sample(rng)
+    return TaskCommander(brief, task, rng, mistakes), KITCHEN
+
+
+def draw_stock(rng: np.random.Generator) -> Stock:
+    """One of the tables, in half of all cases with some of its things missing."""
+    whole = (KITCHEN, TABLE)[int(rng.integers(2))]
+    if rng.random() < 0.5:
+        return whole
+    things = [name for name in sorted(whole) if name in OBJECT_NAMES]
+    kept = rng.permutation(things)[: int(rng.integers(2, len(things)))]
+    return frozenset((*(str(name) for name in kept), *(whole - set(things))))

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from services.learner.pretrain.commander import ChainCommander, TaskCommander
+from services.learner.pretrain.commander import ChainCommander, TaskCommander, draw_stock
 from services.learner.pretrain.practice import DECISION_STEPS, EPISODE_STEPS, EXECUTE_STEPS
 from shared.messages.goal import LanguageGoal
 from shared.policies.checkpoint import Figure
@@ -64,8 +64,10 @@ def try_skills(exam: Exam) -> list[Attempt]:
     low, attempts = LowLevel.load(exam.low_level), []
     env = WorkcellEnv(exam.site, max_steps=10**9)
     for seed in exam.seeds:
-        env.reset(seed=seed)
         rng = np.random.default_rng(seed)
+        env.reset(seed=seed)
+        env.cell.reset(rng, draw_stock(rng))
+        env.state = env.cell.state()
         hand, chain = Hand(low), ChainCommander(rng)
         for _ in range(8):
             skill = chain.draw(env.state)

@@ -3,6 +3,7 @@
 import copy
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import torch
@@ -11,28 +12,27 @@ from torch import Tensor
 from torch.nn import functional as F
 
 from services.learner.pretrain.practice import Steps
-from shared.goals.language.encoder import shared_encoder
+from shared.goals.family import open_family
+from shared.messages.goal import LanguageGoal
 from shared.policies.geometry import Geometry, View
-from shared.policies.low_net import CHUNK, JOINTS, LowNet, squash
+from shared.policies.low_net import CHUNK, JOINTS, VERBS, LowNet, Orders, squash
 from shared.policies.precision import autocast
-from shared.workcell import expert, layout
+from shared.policies.reader import Reader
+from shared.workcell import expert, layout, placing
 from shared.workcell.kinematics import BASE_X
-from shared.workcell.objects import HALF_HEIGHTS_M, OBJECTS
-from shared.workcell.skills import COMMANDS, PARAPHRASES
+from shared.workcell.objects import BODY_NAMES, OBJECTS
+from shared.workcell.skills import COMMANDS, PARAPHRASES, SKILLS
 
 HELD_OUT = (3, 7)
 """Paraphrases of each command that are kept from training, to measure on."""
 EXECUTED = 5
 LATE_WEIGHT = 0.3
 GRIP_WEIGHT = 0.5
-WORD_NOISE = 0.015
-CANONICAL_SHARE = 0.4
+DONE_WEIGHT = 0.1
+THRESHOLD = 0.5
+"""Least cosine of a phrase to one that is known."""
 AVERAGE = 0.999
 PORTION = 4096
-BIN_QUARTER_M = 0.047
-SPOTS = tuple((x, y) for y in (-0.19, -0.10, -0.01, 0.08, 0.17) for x in (0.14, 0.22, 0.285))
-"""Where on its side an arm may put things down: places that the network looks at, no more."""
-
 
 @dataclass(frozen=True)
 class LowFitSettings:
@@ -55,12 +55,11 @@ class Rows:
         self._steps = steps
         self.moments, self.arms = _worth_learning(steps, np.random.default_rng(seed))
         portions = np.array_split(np.arange(len(self)), max(1, len(self) // PORTION))
-        parts = [
-            [part.half() for part in geometry(*self._senses(portion))[:3]] for portion in portions
-        ]
-        self._tokens, self._body, self._near = (
+        parts = [_packed(geometry(*self._senses(portion))) for portion in portions]
+        self._tokens, self._valid, self._body, self._near = (
             torch.cat(kind) for kind in zip(*parts, strict=True)
         )
+        self._orders = orders()
 
     def __len__(self) -> int:
         return len(self.moments)
@@ -70,20 +69,42 @@ class Rows:
         arrays = self._steps.proprioception[moments], self._steps.objects[moments], self.arms[rows]
         return tuple(torch.from_numpy(array) for array in arrays)  # type: ignore[return-value]
 
-    def draw(self, rng: np.random.Generator, count: int) -> tuple[View, Tensor, Tensor, Tensor]:
-        """Views, commands [R] int64, answers [R, S, 7] and their weights [R, S]."""
+    def draw(self, rng: np.random.Generator, count: int) -> "Lot":
+        """`count` rows with replacement."""
         rows = rng.integers(0, len(self), count)
         moments, arms = self.moments[rows], self.arms[rows]
         now, answers, weights = _answers(self._steps, moments, arms)
         index = torch.from_numpy(rows)
         view = View(
             self._tokens[index].float(),
+            self._valid[index],
             self._body[index].float(),
             self._near[index].float(),
             torch.from_numpy(now),
         )
         commands = torch.from_numpy(self._steps.commands[moments].astype(np.int64))
-        return view, commands, torch.from_numpy(answers), torch.from_numpy(weights)
+        return Lot(
+            view,
+            Orders(*(part[commands] for part in self._orders)),
+            torch.from_numpy(answers),
+            torch.from_numpy(weights),
+            torch.from_numpy(self._steps.done[moments].astype(np.float32)),
+        )
+
+
+class Lot(NamedTuple):
+    """Rows of a batch. answers: [R, S, 7], the expert's targets; weights: [R, S]; done: [R] 1
+    where the command is achieved."""
+
+    view: View
+    orders: Orders
+    answers: Tensor
+    weights: Tensor
+    done: Tensor
+
+
+def _packed(view: View) -> tuple[Tensor, Tensor, Tensor, Tensor]:
+    return view.tokens.half(), view.valid, view.body.half(), view.near.half()
 
 
 def _worth_learning(
@@ -111,22 +132,43 @@ def _answers(
 
 def measures() -> dict[str, Tensor]:
     """The cell's measures that the low level is told, see `Geometry`."""
-    arms = []
-    for arm, side in ((0, -1.0), (1, 1.0)):
-        quarters = [
-            (layout.BIN.x_m + x * side, layout.BIN.y_m + y, layout.BIN_FLOOR_M)
-            for x in (BIN_QUARTER_M, -BIN_QUARTER_M)
-            for y in (BIN_QUARTER_M, -BIN_QUARTER_M)
-        ]
-        spots = [(side * x, y, 0.0) for x, y in SPOTS]
-        plate = (*layout.PLATE_XY, layout.PLATE_TOP_M)
-        arms.append([plate, *quarters, *spots, expert.HOME[arm]])
     return {
-        "places": torch.tensor(arms),
-        "half_heights": torch.tensor(HALF_HEIGHTS_M),
+        "sizes": torch.tensor([item.half_sizes_m for item in OBJECTS]),
         "round": torch.tensor([float(item.shape == "disc") for item in OBJECTS]),
+        "block": torch.tensor([float(item.shape == "block") for item in OBJECTS]),
         "base_x": torch.tensor(BASE_X[1]),
+        "plate_top": torch.tensor(layout.PLATE_TOP_M),
+        "floor": torch.tensor(layout.BIN_FLOOR_M),
+        "slot": torch.tensor(placing.SLOT_M),
+        "spots": torch.tensor(placing.FREE_SPOTS),
+        "tub_spots": torch.tensor(placing.TUB_SPOTS),
+        "home": torch.tensor(expert.HOME),
     }
+
+
+def orders() -> Orders:
+    """The commands as the network reads them, [20] each."""
+    verbs = [VERBS.index(skill.verb) for skill in SKILLS]
+    things = [-1 if skill.object is None else BODY_NAMES.index(skill.object) for skill in SKILLS]
+    return Orders(torch.tensor(verbs), torch.tensor(things))
+
+
+def known_words() -> Reader:
+    """The reader of the training phrases."""
+    said, family = phrases(), open_family("language")
+    texts = [text for row in said for text in row]
+    owners = np.repeat(np.arange(len(said)), [len(row) for row in said])
+    needs = [skill.object or skill.verb for skill in SKILLS]
+    return Reader(
+        COMMANDS,
+        orders().verbs.numpy(),
+        np.array([BODY_NAMES.index(name) if name in BODY_NAMES else -1 for name in needs]),
+        texts,
+        owners,
+        family.embed(tuple(LanguageGoal(text=text) for text in texts)),
+        THRESHOLD,
+        family,
+    )
 
 
 def phrases(held_out: bool = False) -> list[list[str]]:
@@ -137,26 +179,6 @@ def phrases(held_out: bool = False) -> list[list[str]]:
         chosen = [text for row, text in enumerate(said) if (row in HELD_OUT) == held_out]
         texts.append(chosen)
     return texts
-
-
-class _Words:
-    """Sentence vectors of the training phrases, drawn at random for each command."""
-
-    def __init__(self) -> None:
-        said = phrases()
-        texts = [text for row in said for text in row]
-        self._vectors = torch.from_numpy(shared_encoder().embed(texts))
-        counts = np.array([len(row) for row in said])
-        self._first, self._counts = np.cumsum(counts) - counts, counts
-
-    def draw(self, rng: np.random.Generator, commands: NDArray[np.int64]) -> Tensor:
-        """A vector for each command, [R, 384], a little blurred."""
-        canonical = rng.random(len(commands)) < CANONICAL_SHARE
-        offset = rng.integers(0, self._counts[commands])
-        rows = self._first[commands] + np.where(canonical, 0, offset)
-        vectors = self._vectors[torch.from_numpy(rows)]
-        blur = rng.standard_normal(vectors.shape, dtype=np.float32) * WORD_NOISE
-        return F.normalize(vectors + torch.from_numpy(blur), dim=-1)
 
 
 def fit_low(
@@ -171,17 +193,18 @@ def fit_low(
     """
     torch.manual_seed(settings.seed)
     rng = np.random.default_rng(settings.seed)
-    rows, words = Rows(steps, net.geometry, settings.seed), _Words()
+    rows = Rows(steps, net.geometry, settings.seed)
     optimizer = torch.optim.AdamW(net.parameters(), lr=settings.lr, weight_decay=1e-3)
     average = copy.deepcopy(net)
     recent = 0.0
     for step in range(settings.steps):
         _set_rate(optimizer, settings, step)
-        view, commands, answers, weights = rows.draw(rng, settings.rows)
-        vectors = words.draw(rng, commands.numpy())
+        lot = rows.draw(rng, settings.rows)
         with autocast():
-            changes = net(view, vectors)
-        loss = chunk_loss(changes.float(), view.now, answers, weights)
+            motion = net(lot.view, lot.orders)
+        moved = chunk_loss(motion.changes.float(), lot.view.now, lot.answers, lot.weights)
+        told = F.binary_cross_entropy_with_logits(motion.done.float(), lot.done)
+        loss = moved + DONE_WEIGHT * told
         optimizer.zero_grad()
         loss.backward()  # type: ignore[no-untyped-call]
         torch.nn.utils.clip_grad_norm_(net.parameters(), 1.0)

@@ -18,8 +18,11 @@ from shared.policies.low_level import LowLevel
 from shared.workcell import expert, skills
 from shared.workcell.cell import Cell
 from shared.workcell.env import objects, proprioception
+from shared.workcell.layout import PLATE_RADIUS_M
+from shared.workcell.objects import COUNT, PLATE
 from shared.workcell.site import Site
 from shared.workcell.skills import COMMANDS
+from shared.workcell.state import near_plate
 
 DECISION_STEPS = 20
 EXECUTE_STEPS = 5
@@ -27,6 +30,10 @@ EPISODE_STEPS = 900
 NOISE_RAD = 0.02
 NOISE_MEMORY = 0.8
 NOISE_LEVELS = (0.0, 0.5, 1.0, 1.5)
+CHAINS = 0.7
+"""Share of episodes that are random chains of skills, not tasks."""
+PLATE_MOVES = 0.4
+"""Share of episodes in which the plate stands elsewhere."""
 PRACTICE_SITE = Site(name="practice", slip_rate=0.003)
 """The lab with hands that slip, so that recovery is practised."""
 
@@ -35,15 +42,17 @@ PRACTICE_SITE = Site(name="practice", slip_rate=0.003)
 class Steps:
     """N steps that the expert drove, in order.
 
-    proprioception [N, 22], objects [N, 9, 9]: float32, as in `Observation`.
+    proprioception [N, 22], objects [N, 18, 9]: float32, as in `Observation`.
     actions: [N, 14] float32, what the expert wanted, before any noise.
-    commands: [N] int16, row of `COMMANDS`. runs: [N] int32, equal within an unbroken stretch.
+    commands: [N] int16, row of `COMMANDS`. done: [N] bool, whether the command is achieved.
+    runs: [N] int32, equal within an unbroken stretch.
     """
 
     proprioception: NDArray[np.float32]
     objects: NDArray[np.float32]
     actions: NDArray[np.float32]
     commands: NDArray[np.int16]
+    done: NDArray[np.bool_]
     runs: NDArray[np.int32]
 
     def __len__(self) -> int:
@@ -67,7 +76,7 @@ def join(parts: Iterable[Steps]) -> Steps:
         first += int(part.runs.max(initial=0)) + 1
     arrays = {
         name: np.concatenate([getattr(part, name) for part in parts])
-        for name in ("proprioception", "objects", "actions", "commands")
+        for name in ("proprioception", "objects", "actions", "commands", "done")
     }
     return Steps(**arrays, runs=np.concatenate(shifted).astype(np.int32))
 
@@ -95,14 +104,17 @@ class _Session:
         self._things: list[NDArray[np.float32]] = []
         self._wanted: list[NDArray[np.float64]] = []
         self._commands: list[int] = []
+        self._done: list[bool] = []
         self.runs: list[int] = []
         self._run = 0
 
     def episode(self, most: int) -> None:
         """One scene, worked on until its task is done, time is over or `most` steps are kept."""
         rng = self._rng
-        self._cell.reset(rng)
-        commander = draw_commander(rng, chains=0.5, mistakes=0.05)
+        commander, stock = draw_commander(rng, chains=CHAINS, mistakes=0.05)
+        self._cell.reset(rng, stock)
+        if rng.random() < PLATE_MOVES:
+            shift_plate(self._cell, rng)
         noise = Noise(rng)
         said, expert_left, learner_left = "", 0, 0
         chunk: list[NDArray[np.float32]] = []
@@ -116,6 +128,7 @@ class _Session:
                     break
                 if command != said:
                     said, skill, chunk = command, skills.parse(command), []
+                    before = state
                     self._run += 1
             if expert_left == 0 and learner_left == 0:
                 self._run += 1
@@ -131,7 +144,8 @@ class _Session:
                 continue
             chunk, expert_left = [], max(0, expert_left - 1)
             wanted = expert.act(state, skill)
-            self._keep(proprioception(state), objects(state), wanted, said)
+            done = skills.achieved(skill, before, state)
+            self._keep(proprioception(state), objects(state), wanted, said, done)
             self._cell.step(wanted + noise.draw())
 
     def _turns(self) -> tuple[int, int]:
@@ -147,11 +161,13 @@ class _Session:
         things: NDArray[np.float32],
         wanted: NDArray[np.float64],
         said: str,
+        done: bool,
     ) -> None:
         self._seen.append(seen)
         self._things.append(things)
         self._wanted.append(wanted)
         self._commands.append(COMMANDS.index(said))
+        self._done.append(done)
         self.runs.append(self._run)
 
     def result(self) -> Steps:
@@ -160,8 +176,20 @@ class _Session:
             np.stack(self._things),
             np.stack(self._wanted).astype(np.float32),
             np.array(self._commands, np.int16),
+            np.array(self._done, np.bool_),
             np.array(self.runs, np.int32),
         )
+
+
+def shift_plate(cell: Cell, rng: np.random.Generator) -> None:
+    """Put the plate a few centimetres elsewhere, where there is room; else leave it."""
+    x, y = rng.uniform(-0.04, 0.04), rng.uniform(-0.11, -0.03)
+    state = cell.state()
+    if not state.present[PLATE] or state.holding:
+        return
+    others = [at for item, at in enumerate(state.points[:COUNT]) if item not in near_plate(state)]
+    if all(np.hypot(at[0] - x, at[1] - y) > PLATE_RADIUS_M + 0.036 for at in others):
+        cell.move_plate(float(x), float(y))
 
 
 class Noise:
