@@ -1,13 +1,14 @@
 """The tasks of the cell by name; a new one is a folder beside these and a line here."""
 
 from shared.workcell.errors import UnknownPrompt, UnknownTask
+from shared.workcell.tasks.bus.task import Bus
 from shared.workcell.tasks.pack.task import Pack
 from shared.workcell.tasks.sandwich.task import Sandwich
-from shared.workcell.tasks.task import Brief, Task
+from shared.workcell.tasks.task import Brief, Draw, Task
 
-__all__ = ["TASKS", "Brief", "Task", "task_named", "understand"]
+__all__ = ["TASKS", "Brief", "Draw", "Task", "task_named", "understand"]
 
-TASKS: dict[str, Task] = {task.name: task for task in (Sandwich(), Pack())}
+TASKS: dict[str, Task] = {task.name: task for task in (Sandwich(), Pack(), Bus())}
 
 
 def task_named(name: str) -> Task:

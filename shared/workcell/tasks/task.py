@@ -1,29 +1,75 @@
 """What a task is: it draws and understands prompts, judges states, and knows what is to do next."""
 
-import re
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Protocol
+from dataclasses import dataclass, replace
+from typing import Any, Protocol
 
 import numpy as np
 
 from shared.workcell import skills
-from shared.workcell.objects import OBJECT_NAMES
+from shared.workcell.objects import KITCHEN, Stock
 from shared.workcell.state import CellState, cover_of
+from shared.workcell.tasks.wishes import Wish
 
 CARRY_M = 0.115
 """The lift is over, and a put may be said, when the held object is higher than this."""
 CARRY_SOON_M = 0.095
 """From here on a put is no mistake any more."""
+STEPS_PER_SKILL = 75
+SPARE_STEPS = 300
+LEAST_STEPS = 900
 
 
 @dataclass(frozen=True)
 class Brief:
-    """One wish: the task, the sentence that asks for it, and the objects it is about, in order."""
+    """One wish: the task, the sentence that asks for it, and the objects it is about.
+
+    target: names; empty until `settle` where they depend on how things lie at the start.
+    ordered: whether the order of the target counts. stock: what is in the cell.
+    wish: what the sentence says.
+    """
 
     task: str
     prompt: str
     target: tuple[str, ...]
+    wish: Wish = Wish()
+    ordered: bool = True
+    stock: Stock = KITCHEN
+
+    @property
+    def skills(self) -> int:
+        """Skills that it takes without a mistake: each thing is picked up and put somewhere."""
+        return 2 * len(self.target)
+
+    @property
+    def steps(self) -> int:
+        """Control steps after which an attempt is a failure."""
+        return max(LEAST_STEPS, SPARE_STEPS + STEPS_PER_SKILL * self.skills)
+
+    def settle(self, state: CellState) -> "Brief":
+        """The same with the target that follows from how things lie at the start."""
+        if not self.wish.sides:
+            return self
+        return replace(self, target=self.wish.things(self.stock, state))
+
+    def to_json(self) -> dict[str, Any]:
+        """What an oracle needs besides the prompt."""
+        return {"target": list(self.target), "ordered": self.ordered}
+
+
+@dataclass(frozen=True)
+class Draw:
+    """How wishes are drawn.
+
+    skills: how many the episode shall take; None: the task's usual number. manner: how the words
+    are put. constraints: share of prompts that say what fits, not what is wanted.
+    """
+
+    skills: int | None = None
+    manner: str = "plain"
+    constraints: float = 0.0
+
+
+USUAL = Draw()
 
 
 class Task(Protocol):
@@ -33,8 +79,12 @@ class Task(Protocol):
     def name(self) -> str:
         """The task's name in the registry."""
 
-    def sample(self, rng: np.random.Generator) -> Brief:
-        """Draw a wish."""
+    @property
+    def lengths(self) -> range:
+        """How many skills an episode can be asked to take."""
+
+    def sample(self, rng: np.random.Generator, draw: Draw = USUAL) -> Brief:
+        """Draw a wish; `Brief.settle` completes it. Raises: InvalidLength, naming the lengths."""
 
     def understand(self, prompt: str) -> Brief:
         """The wish that a sentence expresses. Raises: UnknownPrompt, saying a valid form."""
@@ -71,14 +121,3 @@ def uncovered(state: CellState, item: int) -> int:
     """`item`, or the topmost object on it that must be taken away first."""
     cover = cover_of(state, item)
     return item if cover is None else cover
-
-
-def objects_in(text: str) -> tuple[str, ...]:
-    """The objects that a sentence names, in its order."""
-    pattern = r"\b(" + "|".join(OBJECT_NAMES) + r")s?\b"
-    return tuple(re.findall(pattern, text.lower()))
-
-
-def listing(names: Sequence[str]) -> str:
-    """The names as people list them: a, b and c."""
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"

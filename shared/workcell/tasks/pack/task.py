@@ -1,16 +1,19 @@
-"""Pack: the named things into the bin, in any order, and nothing else."""
+"""Pack: the named or fitting food into the bin, in any order, and nothing else."""
 
 import re
 
 import numpy as np
 
-from shared.workcell import skills
 from shared.workcell.errors import UnknownPrompt
-from shared.workcell.objects import OBJECT_NAMES, index
-from shared.workcell.state import CellState, held_object, in_bin
-from shared.workcell.tasks.task import Brief, listing, objects_in, put_commands, uncovered
+from shared.workcell.objects import BIN, KINDS, KITCHEN
+from shared.workcell.tasks import manners
+from shared.workcell.tasks.drawing import Constraint, check, constrain
+from shared.workcell.tasks.sorting import Sorting
+from shared.workcell.tasks.task import USUAL, Brief, Draw
+from shared.workcell.tasks.wishes import named, read
 
-FEWEST, MOST = 2, 4
+FOOD = KINDS["food"]
+USUAL_THINGS = 3
 TEMPLATES = (
     "put {} in the bin",
     "pack {} into the bin",
@@ -20,67 +23,66 @@ TEMPLATES = (
     "tidy {} away into the bin",
     "pack a box with {}",
 )
+CORES = ("put {} in the bin", "pack {} into the bin", "tidy {} away into the bin")
+CONSTRAINTS = (
+    Constraint("everything but {}", but=1),
+    Constraint("all the food except {}", but=2),
+    Constraint("everything vegetarian", ("vegetarian",)),
+    Constraint("everything vegetarian but {}", ("vegetarian",), but=1),
+    Constraint("everything brown", ("brown",)),
+    Constraint("everything red", ("red",)),
+    Constraint("everything green", ("green",)),
+    Constraint("only what is on the left", sides=("left",)),
+    Constraint("only what is on the right", sides=("right",)),
+    Constraint("everything on the left but {}", sides=("left",), but=1),
+)
 _WORDS = re.compile(r"\b(bin|box|pack)\b")
 
 
-class Pack:
-    """Two to four named things in the bin."""
+class Pack(Sorting):
+    """One to seven things in the bin."""
 
     name = "pack"
+    lengths = range(2, 2 * len(FOOD) + 1, 2)
 
-    def __init__(self, things: int = 3) -> None:
-        self._things = things
+    def home(self, item: int) -> int:
+        """All goes into the bin."""
+        del item  # Unused.
+        return BIN
 
-    def sample(self, rng: np.random.Generator) -> Brief:
+    def sample(self, rng: np.random.Generator, draw: Draw = USUAL) -> Brief:
         """Draw the things and the words."""
-        things = [str(name) for name in rng.permutation(OBJECT_NAMES)[: self._things]]
-        template = TEMPLATES[int(rng.integers(len(TEMPLATES)))]
-        named = listing([f"the {name}" for name in things])
-        return Brief(self.name, template.format(named), tuple(things))
+        check(draw, self.name, self.lengths)
+        count = None if draw.skills is None else draw.skills // 2
+        drawn = None
+        if draw.constraints and rng.random() < draw.constraints:
+            drawn = constrain(rng, CONSTRAINTS, FOOD, KITCHEN, count)
+        if drawn:
+            said, wish, stock = drawn
+            core = CORES[int(rng.integers(len(CORES)))].format(said)
+            prompt = manners.put(core, draw.manner, rng)
+            return Brief(self.name, prompt, wish.things(stock), wish, False, stock)
+        things = [str(name) for name in rng.permutation(FOOD)[: count or USUAL_THINGS]]
+        cores = TEMPLATES if draw.manner == "plain" else CORES
+        core = cores[int(rng.integers(len(cores)))].format(named(things))
+        return self.understand(manners.put(core, draw.manner, rng))
 
     def understand(self, prompt: str) -> Brief:
         """The wish that a sentence expresses."""
-        named = objects_in(prompt)
-        good = len(set(named)) == len(named) and FEWEST <= len(named) <= MOST
-        if not good or not _WORDS.search(prompt.lower()) or "sandwich" in prompt.lower():
-            raise UnknownPrompt(
-                f"no pack prompt: {prompt!r}; it reads like "
-                f"{TEMPLATES[0].format('the cheese and the ham')!r} and names {FEWEST} to {MOST} "
-                f"of {', '.join(OBJECT_NAMES)}"
-            )
-        return Brief(self.name, prompt, named)
+        wish = read(prompt)
+        things = wish.things(KITCHEN)
+        twice = len(set(wish.names)) < len(wish.names)
+        missing = [name for name in wish.names if name not in KITCHEN]
+        if missing or twice or not things or not _WORDS.search(prompt.lower()):
+            raise self._unknown(prompt)
+        if "sandwich" in prompt.lower() or not (wish.names or wish.constrains):
+            raise self._unknown(prompt)
+        return Brief(self.name, prompt, things, wish, False, KITCHEN)
 
-    def success(self, state: CellState, brief: Brief) -> bool:
-        """The bin holds the named things and no other."""
-        return in_bin(state) == frozenset(_rows(brief))
-
-    def progress(self, state: CellState, brief: Brief) -> float:
-        """Share of the things in the bin, less the wrong ones there."""
-        wish, packed = frozenset(_rows(brief)), in_bin(state)
-        return max(0.0, (len(packed & wish) - len(packed - wish)) / len(wish))
-
-    def next_command(self, state: CellState, brief: Brief, previous: str | None) -> str:
-        """The right command now: the one in force if it is right, else the prompt's order."""
-        return self._commands(state, brief, previous)[0]
-
-    def acceptable_commands(
-        self, state: CellState, brief: Brief, previous: str | None
-    ) -> frozenset[str]:
-        """All commands that are right now."""
-        return self._commands(state, brief, previous)[1]
-
-    def _commands(
-        self, state: CellState, brief: Brief, previous: str | None
-    ) -> tuple[str, frozenset[str]]:
-        wish, packed, held = _rows(brief), in_bin(state), held_object(state)
-        if held is not None:
-            put = skills.PUT_IN_BIN if held in wish else skills.PUT_DOWN
-            return put_commands(state, held, put, previous)
-        open_items = [*sorted(packed - set(wish)), *(item for item in wish if item not in packed)]
-        picks = [skills.pick(uncovered(state, item)) for item in open_items] or [skills.WAIT]
-        chosen = previous if previous in picks else picks[0]
-        return chosen, frozenset(picks)
-
-
-def _rows(brief: Brief) -> tuple[int, ...]:
-    return tuple(index(name) for name in brief.target)
+    def _unknown(self, prompt: str) -> UnknownPrompt:
+        return UnknownPrompt(
+            f"no pack prompt: {prompt!r}; it reads like "
+            f"{TEMPLATES[0].format('the cheese and the ham')!r} or "
+            f"{CORES[0].format('everything vegetarian')!r}, and names each thing once, "
+            f"of {', '.join(FOOD)}"
+        )

@@ -1,15 +1,18 @@
-"""Sandwich: bread, the fillings in the order named, toast, one upon another on the plate."""
+"""Sandwich: bread, fillings, toast, one upon another on the plate; listed ones in their order."""
 
 import numpy as np
 
 from shared.workcell import skills
 from shared.workcell.errors import UnknownPrompt
-from shared.workcell.objects import OBJECT_NAMES, index
+from shared.workcell.objects import KITCHEN, index
 from shared.workcell.state import CellState, astray_on_plate, held_object, stack_on_plate
-from shared.workcell.tasks.task import Brief, listing, objects_in, put_commands, uncovered
+from shared.workcell.tasks import manners
+from shared.workcell.tasks.drawing import Constraint, check, constrain
+from shared.workcell.tasks.task import USUAL, Brief, Draw, put_commands, uncovered
+from shared.workcell.tasks.wishes import Wish, listing, read
 
 FILLINGS = ("cheese", "ham", "lettuce", "tomato", "onion")
-MOST_FILLINGS = 3
+USUAL_FILLINGS = 2
 TEMPLATES = (
     "make a sandwich with {}",
     "I'd like a sandwich with {}, please",
@@ -19,41 +22,72 @@ TEMPLATES = (
     "please stack a sandwich with {}",
     "one sandwich for the guest: {}",
 )
+CORES = ("make a sandwich with {}", "stack a sandwich with {}", "make me a sandwich: {}")
+CONSTRAINTS = (
+    Constraint("a vegetarian sandwich", ("vegetarian",)),
+    Constraint("a vegetarian sandwich without {}", ("vegetarian",), but=1),
+    Constraint("a sandwich with everything but {}", but=1),
+    Constraint("a sandwich with everything, no {}", but=1),
+    Constraint("a sandwich with everything except {}", but=2),
+    Constraint("a vegetarian sandwich without {}", ("vegetarian",), but=2),
+)
+VERBS = ("make {}", "make me {}", "build {}")
 
 
 class Sandwich:
-    """Bread, one to three fillings in the prompt's order, toast."""
+    """Bread, up to five fillings, toast."""
 
     name = "sandwich"
+    lengths = range(4, 2 * (len(FILLINGS) + 2) + 1, 2)
 
-    def __init__(self, fillings: int = 2) -> None:
-        self._fillings = fillings
-
-    def sample(self, rng: np.random.Generator) -> Brief:
+    def sample(self, rng: np.random.Generator, draw: Draw = USUAL) -> Brief:
         """Draw the fillings and the words."""
-        fillings = [str(name) for name in rng.permutation(FILLINGS)[: self._fillings]]
-        template = TEMPLATES[int(rng.integers(len(TEMPLATES)))]
-        return self._brief(template.format(listing(fillings)), fillings)
+        check(draw, self.name, self.lengths)
+        count = None if draw.skills is None else draw.skills // 2 - 2
+        if draw.constraints and rng.random() < draw.constraints and count != 0:
+            return self._constrained(rng, draw, count)
+        asked = USUAL_FILLINGS if count is None else count
+        fillings = [str(name) for name in rng.permutation(FILLINGS)[:asked]]
+        cores = TEMPLATES if draw.manner == "plain" else CORES
+        core = cores[int(rng.integers(len(cores)))].format(listing(fillings or ["nothing else"]))
+        return self.understand(manners.put(core, draw.manner, rng))
+
+    def _constrained(self, rng: np.random.Generator, draw: Draw, count: int | None) -> Brief:
+        whole = "a sandwich with everything", Wish(), KITCHEN
+        said, wish, stock = constrain(rng, CONSTRAINTS, FILLINGS, KITCHEN, count) or whole
+        verb = VERBS[int(rng.integers(len(VERBS)))]
+        return self._brief(manners.put(verb.format(said), draw.manner, rng), wish, stock)
 
     def understand(self, prompt: str) -> Brief:
         """The wish that a sentence expresses."""
-        named = objects_in(prompt)
-        good = len(set(named)) == len(named) and 1 <= len(named) <= MOST_FILLINGS
-        if "sandwich" not in prompt.lower() or not good or not set(named) <= set(FILLINGS):
+        wish = read(prompt)
+        text = prompt.lower()
+        strange = [name for name in (*wish.names, *wish.but) if name not in FILLINGS]
+        twice = len(set(wish.names)) < len(wish.names)
+        says = wish.names or wish.constrains or "everything" in text or "nothing else" in text
+        if "sandwich" not in text or strange or twice or not says or wish.sides:
             raise UnknownPrompt(
                 f"no sandwich prompt: {prompt!r}; it reads like "
-                f"{TEMPLATES[0].format('cheese and tomato')!r} and names 1 to {MOST_FILLINGS} of "
-                f"{', '.join(FILLINGS)}"
+                f"{TEMPLATES[0].format('cheese and tomato')!r} or 'make a vegetarian sandwich', "
+                f"and names each filling once, of {', '.join(FILLINGS)}"
             )
-        return self._brief(prompt, list(named))
+        return self._brief(prompt, wish, KITCHEN)
+
+    def _brief(self, prompt: str, wish: Wish, stock: frozenset[str]) -> Brief:
+        bare = "nothing else" in prompt.lower() and not wish.names
+        fillings = () if bare else tuple(n for n in wish.things(stock) if n in FILLINGS)
+        target = ("bread", *fillings, "toast")
+        return Brief(self.name, prompt, target, wish, bool(wish.names or bare), stock)
 
     def success(self, state: CellState, brief: Brief) -> bool:
         """The stack is the wish, nothing else is on the plate."""
-        return stack_on_plate(state) == _rows(brief) and not astray_on_plate(state)
+        stack = stack_on_plate(state)
+        whole = _right_from_below(stack, brief) == len(stack) == len(brief.target)
+        return whole and not astray_on_plate(state)
 
     def progress(self, state: CellState, brief: Brief) -> float:
         """Share of the wish that lies in place from the bottom."""
-        return _right_from_below(stack_on_plate(state), _rows(brief)) / len(brief.target)
+        return _right_from_below(stack_on_plate(state), brief) / len(brief.target)
 
     def next_command(self, state: CellState, brief: Brief, previous: str | None) -> str:
         """The right command now."""
@@ -65,48 +99,47 @@ class Sandwich:
         """All commands that are right now."""
         return self._commands(state, brief, previous)[1]
 
-    def _brief(self, prompt: str, fillings: list[str]) -> Brief:
-        return Brief(self.name, prompt, ("bread", *fillings, "toast"))
-
     def _commands(
         self, state: CellState, brief: Brief, previous: str | None
     ) -> tuple[str, frozenset[str]]:
-        target, held = _rows(brief), held_object(state)
-        wrong, following = _wrong(state, target), _following(state, target)
+        held = held_object(state)
+        wrong, following = _wrong(state, brief), _following(state, brief)
         if held is not None:
-            ready = wrong is None and held == following
-            put = skills.PUT_ON_PLATE if ready else skills.PUT_DOWN
-            return put_commands(state, held, put, previous)
-        if wrong is None and following is None:
-            return skills.WAIT, frozenset({skills.WAIT})
-        item = wrong if wrong is not None else following
-        assert item is not None  # one of the two is something
-        command = skills.pick(uncovered(state, item))
-        return command, frozenset({command})
+            put = skills.PUT_DOWN if wrong is not None or held not in following else None
+            return put_commands(state, held, put or skills.PUT_ON_PLATE, previous)
+        items = following if wrong is None else [wrong]
+        picks = [skills.pick(uncovered(state, item)) for item in items] or [skills.WAIT]
+        chosen = previous if previous in picks else picks[0]
+        return chosen, frozenset(picks)
 
 
-def _rows(brief: Brief) -> tuple[int, ...]:
-    return tuple(index(name) for name in brief.target)
+def _next_layers(stack: tuple[int, ...], brief: Brief) -> list[int]:
+    """What may come upon a right stack: the next one, or any filling where order is free."""
+    target = [index(name) for name in brief.target]
+    if len(stack) >= len(target):
+        return []
+    if brief.ordered or len(stack) in (0, len(target) - 1):
+        return [target[len(stack)]]
+    return [item for item in target[1:-1] if item not in stack]
 
 
-def _right_from_below(stack: tuple[int, ...], target: tuple[int, ...]) -> int:
-    """Length of the longest common beginning."""
-    same = [a == b for a, b in zip(stack, target, strict=False)]
-    return same.index(False) if False in same else len(same)
+def _right_from_below(stack: tuple[int, ...], brief: Brief) -> int:
+    """Length of the longest right beginning."""
+    for height, item in enumerate(stack):
+        if item not in _next_layers(stack[:height], brief):
+            return height
+    return len(stack)
 
 
-def _wrong(state: CellState, target: tuple[int, ...]) -> int | None:
+def _wrong(state: CellState, brief: Brief) -> int | None:
     """The object that must leave the plate first, None where all on it is right."""
     stack, astray = stack_on_plate(state), astray_on_plate(state)
     if astray:
         return astray[0]
-    return stack[-1] if len(stack) > _right_from_below(stack, target) else None
+    return stack[-1] if len(stack) > _right_from_below(stack, brief) else None
 
 
-def _following(state: CellState, target: tuple[int, ...]) -> int | None:
-    """The object that comes next on the stack, None when it is complete."""
-    done = _right_from_below(stack_on_plate(state), target)
-    return target[done] if done < len(target) else None
-
-
-assert set(FILLINGS) < set(OBJECT_NAMES)
+def _following(state: CellState, brief: Brief) -> list[int]:
+    """The objects that may come next on the stack, none when it is complete."""
+    stack = stack_on_plate(state)
+    return _next_layers(stack[: _right_from_below(stack, brief)], brief)

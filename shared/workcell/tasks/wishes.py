@@ -1,0 +1,133 @@
+"""What prompts say about things: names, kinds, colours, sides, and what is left out.
+
+One table of phrases serves both ways, drawing and understanding.
+"""
+
+import itertools
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+
+from shared.workcell.errors import UnknownPrompt
+from shared.workcell.objects import KINDS, OBJECT_NAMES, OBJECTS, Stock
+from shared.workcell.state import CellState
+
+COLOURS = tuple(dict.fromkeys(item.colour for item in OBJECTS))
+_MEAT = frozenset({"ham"})
+_WORDS = {
+    "vegetarian": "vegetarian",
+    "veggie": "vegetarian",
+    "meatless": "vegetarian",
+    "dishes": "dish",
+    "dish": "dish",
+    "tableware": "dish",
+    "crockery": "dish",
+    "rubbish": "rubbish",
+    "trash": "rubbish",
+    "litter": "rubbish",
+    "waste": "rubbish",
+}
+_SIDES = {"left": -1.0, "right": 1.0}
+_EXCEPT = r"(?:but|except(?: for)?|without|no|not|leave|leaving|hold|skip|minus)"
+_NAMES = "|".join(OBJECT_NAMES)
+_NAMED = re.compile(rf"\b({_NAMES})e?s?\b")
+_LEFT_OUT = re.compile(
+    rf"\b{_EXCEPT}\s+(?:out\s+)?(?:the\s+)?((?:{_NAMES})e?s?"
+    rf"(?:(?:\s*,\s*(?:and\s+)?|\s+and\s+|\s+or\s+)(?:the\s+|no\s+)?(?:{_NAMES})e?s?)*)\b"
+)
+_BEFORE_NOUNS = frozenset("the a an some no and but without except leave with or of".split())
+_ORDINARY = frozenset(
+    """not leave leaving or that hold a an the all any away back be big bin blue grey box bus clean clear cleared could dinner
+    everything fast favour first food for from full great guest guests have hello hey hi holds i if
+    in it item items job just left lunch me moment more my napkins need needs next nice nothing now
+    ok one only other others out plain please plate please put quick quickly rest right sandwich
+    side sides single slice slices small stack table task that them then there these thing things
+    this those to today tub two us vegetables veggies we what when whole with you your bag crate
+    order kitchen middle bottom top minute second hungry busy robot love""".split()
+)
+
+
+@dataclass(frozen=True)
+class Wish:
+    """What a sentence says of the things that it is about.
+
+    names: things that it names, in its order. traits: kinds or colours that a thing must have,
+    one of each sort. sides: "left", "right", as seen at the start. but: things left out.
+    """
+
+    names: tuple[str, ...] = ()
+    traits: tuple[str, ...] = ()
+    sides: tuple[str, ...] = ()
+    but: tuple[str, ...] = field(default=())
+
+    @property
+    def constrains(self) -> bool:
+        """It says what fits, not what is wanted."""
+        return bool(self.traits or self.sides or self.but)
+
+    def fits(self, name: str) -> bool:
+        """Whether a thing has all traits, wherever it lies."""
+        item = OBJECTS[OBJECT_NAMES.index(name)]
+        has = {item.kind, item.colour} | (set() if name in _MEAT else {"vegetarian"})
+        return name not in self.but and all(trait in has for trait in self.traits)
+
+    def things(self, stock: Stock, state: CellState | None = None) -> tuple[str, ...]:
+        """The things of a stock that it wishes: those that it names, or all that fit.
+
+        state: how they lie at the start, where sides are asked for.
+        """
+        chosen = self.names or tuple(name for name in OBJECT_NAMES if self.fits(name))
+        return tuple(name for name in chosen if name in stock and self._beside(name, state))
+
+    def _beside(self, name: str, state: CellState | None) -> bool:
+        if not self.sides or state is None:
+            return True
+        x = float(state.positions[OBJECT_NAMES.index(name), 0])
+        return any(x * _SIDES[side] > 0 for side in self.sides)
+
+
+def read(prompt: str) -> Wish:
+    """What a prompt says of things.
+
+    Raises:
+        UnknownPrompt: it names a thing that the cell doesn't have.
+    """
+    text = " ".join(prompt.lower().split())
+    but = tuple(name for found in _LEFT_OUT.findall(text) for name in _NAMED.findall(found))
+    kept = _LEFT_OUT.sub(" ", text)
+    names = tuple(_NAMED.findall(kept))
+    words = re.findall(r"[a-z]+", kept)
+    traits = tuple(dict.fromkeys(_WORDS[word] for word in words if word in _WORDS))
+    colours = tuple(
+        word for word in re.findall(r"\b([a-z]+)\b(?! (?:bin|box|tub)\b)", kept) if word in COLOURS
+    )
+    sides = tuple(
+        dict.fromkeys(re.findall(r"\b(?:on|from|to) (?:the|your|my) (left|right)\b", kept))
+    )
+    _refuse_strangers(text)
+    return Wish(names, traits + tuple(dict.fromkeys(colours)), sides, but)
+
+
+def _refuse_strangers(text: str) -> None:
+    words = re.findall(r"[a-z]+", text)
+    for before, word in itertools.pairwise(words):
+        if before not in _BEFORE_NOUNS:
+            continue
+        known = word in _ORDINARY or word in _WORDS or word in COLOURS or word in _SIDES
+        if not known and not _NAMED.fullmatch(word):
+            raise UnknownPrompt(
+                f"there is no {word!r} in this cell; it knows {', '.join(OBJECT_NAMES)}"
+            )
+
+
+def listing(names: Sequence[str]) -> str:
+    """The names as people list them: a, b and c."""
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+
+
+def named(names: Iterable[str]) -> str:
+    """The names as people list things: the a, the b and the c."""
+    return listing([f"the {name}" for name in names])
+
+
+assert set(_WORDS.values()) <= {"vegetarian", *KINDS}
