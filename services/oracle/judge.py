@@ -2,6 +2,7 @@
 
 import json
 import random
+from dataclasses import replace
 from enum import StrEnum
 from typing import NamedTuple
 
@@ -66,9 +67,14 @@ def _ideal(seen: Seen, right_now: str, right: frozenset[str]) -> Verdict:
 
 def _know(seen: Seen) -> tuple[str, frozenset[str]]:
     """The right command now, and all that are right."""
-    state = CellState.from_json(seen.truth)
-    task = task_named(seen.task)
+    truth = dict(seen.truth)
+    settled = truth.pop("brief", None)
+    truth.pop("disturbed", None)
+    state, task = CellState.from_json(truth), task_named(seen.task)
     brief = task.understand(seen.prompt)
+    if settled:  # What a sentence like "all on the left" meant when the episode began.
+        target = tuple(str(name) for name in settled["target"])
+        brief = replace(brief, target=target, ordered=bool(settled["ordered"]))
     return (
         task.next_command(state, brief, seen.before),
         task.acceptable_commands(state, brief, seen.before),

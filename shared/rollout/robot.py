@@ -18,11 +18,15 @@ Floats = NDArray[np.float32]
 
 
 class Scene(NamedTuple):
-    """What an episode is about, as told by the robot when it was reset."""
+    """What an episode is about, as told by the robot when it was reset.
+
+    steps: control steps that an attempt at it deserves.
+    """
 
     task: str
     prompt: str
     site: str
+    steps: int = 900
 
 
 class Senses(NamedTuple):

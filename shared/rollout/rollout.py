@@ -59,6 +59,7 @@ class Rollout:
         self._thinking, self._clock, self._settings = thinking, clock, settings
         self._decided = decided
         self.name, self.episode, self.scene = name, episode, scene
+        self._max_steps = settings.max_steps or scene.steps
         self.step, self.decisions, self.corrections = 0, 0, 0
         self.asked: Counter[Asked] = Counter()
         self.command: Goal | None = None
@@ -84,7 +85,7 @@ class Rollout:
 
     @property
     def over(self) -> bool:
-        return self.done or self.step >= self._settings.max_steps
+        return self.done or self.step >= self._max_steps
 
     def advance(self) -> bool:
         """Move by one control step, if nothing keeps the robot; True when it moved."""

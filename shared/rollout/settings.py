@@ -41,7 +41,7 @@ class RolloutSettings(Settings):
     history: previous commands that the high level is shown.
     looks: observations that the high level is shown, the present one and earlier ones.
     look_every: decisions from one look to the next.
-    max_steps: control steps after which an episode is a failure.
+    max_steps: control steps after which an episode is a failure; None: as the scene deserves.
     supervised: in lockstep, stand still at each decision until a verdict comes.
     top: proposals that a decision carries.
     """
@@ -60,7 +60,7 @@ class RolloutSettings(Settings):
     history: Annotated[int, Field(ge=0, le=16)] = 4
     looks: Annotated[int, Field(ge=1, le=16)] = 4
     look_every: Annotated[int, Field(ge=1, le=100)] = 1
-    max_steps: Annotated[int, Field(ge=1, le=100_000)] = 900
+    max_steps: Annotated[int, Field(ge=1, le=100_000)] | None = None
     supervised: bool = False
     top: Annotated[int, Field(ge=1, le=64)] = 11
 

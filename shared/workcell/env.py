@@ -8,14 +8,17 @@ from gymnasium import spaces
 
 from shared.workcell.camera import CAMERA_NAMES
 from shared.workcell.cell import ACTION_HIGH, ACTION_LOW, CONTROL_HZ, Cell
+from shared.workcell.errors import UnknownPrompt
 from shared.workcell.objects import BODY_NAMES
+from shared.workcell.people import Passers
 from shared.workcell.site import Site
 from shared.workcell.state import CellState
-from shared.workcell.tasks import TASKS, Brief, Task, task_named, understand
+from shared.workcell.tasks import TASKS, Brief, Draw, Task, task_named, understand
 
 IMAGE_SIZE = 64
 HELD_SUCCESS_STEPS = 10
-MAX_STEPS = 900
+ATTEMPTS = 20
+"""Draws of a table until something on it fits the wish."""
 FAR = 10.0
 """Bound of every number in an observation, in metres or radians; nothing gets so far."""
 
@@ -32,7 +35,7 @@ class WorkcellEnv(gymnasium.Env[Observation, np.ndarray]):
     yaw [rad]; `objects` [18, 9], of each thing its position and the first two columns of its
     rotation, zeros where it isn't in the cell; with `cameras` also `top` and `angle`, [64, 64, 3] uint8.
     Ends when the task has been fulfilled for 10 steps on end with empty hands; is cut off after
-    `max_steps`. Everything random is drawn from the seed that `reset` gets.
+    `max_steps` (None: as many as the wish deserves). `skills` sets how many each wish takes. Everything random is drawn from the seed that `reset` gets.
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": CONTROL_HZ}
@@ -41,11 +44,14 @@ class WorkcellEnv(gymnasium.Env[Observation, np.ndarray]):
         self,
         site: Site | str = "lab",
         cameras: bool = False,
-        max_steps: int = MAX_STEPS,
+        max_steps: int | None = None,
         render_mode: str | None = None,
+        skills: int | None = None,
     ) -> None:
         self.cell = Cell(site)
         self.cameras, self.max_steps, self.render_mode = cameras, max_steps, render_mode
+        prompts = self.cell.site.prompts
+        self.draw = Draw(skills, prompts.manner, prompts.constraints)
         low, high = ACTION_LOW.astype(np.float32), ACTION_HIGH.astype(np.float32)
         self.action_space = spaces.Box(low, high, dtype=np.float32)
         self.observation_space = _space(cameras)
@@ -53,6 +59,12 @@ class WorkcellEnv(gymnasium.Env[Observation, np.ndarray]):
         self.state: CellState = self.cell.state()
         self.elapsed_steps = 0
         self._fulfilled_steps = 0
+        self._people = Passers(self.cell, np.random.default_rng(0))
+
+    @property
+    def disturbed(self) -> int:
+        """How often people did something at the table in this episode."""
+        return self._people.count
 
     @property
     def task(self) -> Task:
@@ -68,24 +80,36 @@ class WorkcellEnv(gymnasium.Env[Observation, np.ndarray]):
         without either both task and wish are drawn.
         Raises:
             UnknownPrompt, UnknownTask: the options ask for what the cell does not know.
+            InvalidLength: the task can't take so many skills.
         """
         super().reset(seed=seed)
-        self.brief = self._wish(**(options or {}))
-        self.cell.reset(self.np_random)
+        for _ in range(ATTEMPTS):
+            brief = self._wish(**(options or {}))
+            self.cell.reset(self.np_random, brief.stock)
+            self.state = self.cell.state()
+            self.brief = brief.settle(self.state)
+            if self.brief.target:
+                break
+        else:
+            raise UnknownPrompt(f"{brief.prompt!r}: nothing on the table fits, at any of its places")
         self.elapsed_steps = self._fulfilled_steps = 0
-        self.state = self.cell.state()
+        self._people = Passers(self.cell, np.random.default_rng(self.np_random.spawn(1)[0]))
         return self._observe(), self._info()
 
     def step(self, action: np.ndarray) -> tuple[Observation, float, bool, bool, Info]:
         """One control step. The reward is the progress in [0, 1], 1 meaning fulfilled."""
         self.cell.step(action)
         self.state = self.cell.state()
+        seen = self._people.count
+        self._people.pass_by(self.state, self.brief.target)
+        if self._people.count > seen:
+            self.state = self.cell.state()
         self.elapsed_steps += 1
         info = self._info()
         done = info["success"] and not self.state.holding
         self._fulfilled_steps = self._fulfilled_steps + 1 if done else 0
         terminated = self._fulfilled_steps >= HELD_SUCCESS_STEPS
-        truncated = not terminated and self.elapsed_steps >= self.max_steps
+        truncated = not terminated and self.elapsed_steps >= (self.max_steps or self.brief.steps)
         reward = self.task.progress(self.state, self.brief)
         return self._observe(), reward, terminated, truncated, info
 
@@ -111,8 +135,12 @@ class WorkcellEnv(gymnasium.Env[Observation, np.ndarray]):
         if prompt is not None:
             return understand(prompt) if task is None else task_named(task).understand(prompt)
         if task is None:
-            task = list(TASKS)[int(self.np_random.integers(len(TASKS)))]
-        return task_named(task).sample(self.np_random)
+            names = [name for name, known in TASKS.items() if self._can_take(known)]
+            task = names[int(self.np_random.integers(len(names)))]
+        return task_named(task).sample(self.np_random, self.draw)
+
+    def _can_take(self, task: Task) -> bool:
+        return self.draw.skills is None or self.draw.skills in task.lengths
 
     def _observe(self) -> Observation:
         seen = {"proprioception": proprioception(self.state), "objects": objects(self.state)}
@@ -126,6 +154,7 @@ class WorkcellEnv(gymnasium.Env[Observation, np.ndarray]):
             "task": self.brief.task,
             "success": self.task.success(self.state, self.brief),
             "elapsed_steps": self.elapsed_steps,
+            "disturbed": self.disturbed,
         }
 
 

@@ -6,7 +6,7 @@ other: the expert does not plan around the other arm.
 
 import numpy as np
 
-from shared.workcell import food, layout, wares
+from shared.workcell import clutter, food, layout, wares
 from shared.workcell.objects import OBJECTS, Object
 from shared.workcell.robot import actuators_xml, arm_xml, coupling_xml
 from shared.workcell.site import CameraShift, Colour, Offset, Site
@@ -42,6 +42,7 @@ def scene_xml(site: Site) -> str:
     {_lights(site)}
     {_cameras(site)}
     {_furniture()}
+    {clutter.clutter_xml(site.distractors)}
     {arm_xml(0)}
     {arm_xml(1)}
     {"".join(_object(item, site) for item in OBJECTS)}

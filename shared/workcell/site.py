@@ -3,7 +3,7 @@
 import tomllib
 from importlib import resources
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
@@ -12,6 +12,8 @@ from shared.workcell.errors import InvalidSite
 
 Level = Annotated[float, Field(ge=0.0, le=1.0)]
 Colour = tuple[Level, Level, Level]
+Rate = Annotated[float, Field(ge=0.0, le=60.0)]
+Manner = Literal["plain", "polite", "chatty"]
 Offset = tuple[float, float, float]
 
 
@@ -58,11 +60,35 @@ class CameraShift(_Part):
     aim_m: Offset = (0.0, 0.0, 0.0)
 
 
+class People(_Part):
+    """What people do at the table while the robot works: how often, a minute, on average.
+
+    move_plate: push the plate a few centimetres. put_back: take something that was put away, and
+    lay it on the table again. move_thing: lay something on the table elsewhere.
+    """
+
+    move_plate: Rate = 0.0
+    put_back: Rate = 0.0
+    move_thing: Rate = 0.0
+
+
+class Prompts(_Part):
+    """How prompts are put here.
+
+    manner: plain, polite or chatty. constraints: share of prompts that say what fits ("a vegetarian
+    sandwich"), not what is wanted.
+    """
+
+    manner: Manner = "plain"
+    constraints: Level = 0.0
+
+
 class Site(_Part):
     """One place where the cell stands.
 
     name: as in the file's name. slip_rate: chance that a holding hand opens in a control step.
-    slip_steps: how long it stays open.
+    slip_steps: how long it stays open. distractors: things that lie around outside the tray and
+    belong to no task.
     """
 
     name: str
@@ -72,6 +98,9 @@ class Site(_Part):
     angle: CameraShift = CameraShift()
     slip_rate: Annotated[float, Field(ge=0.0, le=0.2)] = 0.0
     slip_steps: Annotated[int, Field(ge=1, le=100)] = 10
+    people: People = People()
+    prompts: Prompts = Prompts()
+    distractors: Annotated[int, Field(ge=0, le=8)] = 0
 
 
 def site_names() -> tuple[str, ...]:

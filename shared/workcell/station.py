@@ -15,8 +15,9 @@ class Station:
 
     action_size = 14
 
-    def __init__(self, site: Site | str) -> None:
-        self._env = WorkcellEnv(site, max_steps=1 << 30)
+    def __init__(self, site: Site | str, skills: int | None = None) -> None:
+        """skills: how many each drawn wish takes; None: the task's usual number."""
+        self._env = WorkcellEnv(site, max_steps=1 << 30, skills=skills)
 
     def reset(self, seed: int, task: str, prompt: str | None) -> Scene:
         """See `Robot.reset`.
@@ -26,7 +27,8 @@ class Station:
         """
         options = {"task": task} if prompt is None else {"task": task, "prompt": prompt}
         _, info = self._env.reset(seed=seed, options=options)
-        return Scene(info["task"], info["prompt"], self._env.cell.site.name)
+        steps = self._env.brief.steps
+        return Scene(info["task"], info["prompt"], self._env.cell.site.name, steps)
 
     def sense(self) -> Senses:
         state = self._env.state
@@ -42,7 +44,8 @@ class Station:
         return Studio(self._env.cell.site)
 
     def truth(self) -> dict[str, Any]:
-        return self._env.state.to_json()
+        brief, disturbed = self._env.brief.to_json(), self._env.disturbed
+        return {**self._env.state.to_json(), "brief": brief, "disturbed": disturbed}
 
     def right_command(self, previous: str | None) -> str:
         """What the oracle would say now, from the true state."""

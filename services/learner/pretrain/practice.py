@@ -18,11 +18,9 @@ from shared.policies.low_level import LowLevel
 from shared.workcell import expert, skills
 from shared.workcell.cell import Cell
 from shared.workcell.env import objects, proprioception
-from shared.workcell.layout import PLATE_RADIUS_M
-from shared.workcell.objects import COUNT, PLATE
+from shared.workcell.people import shift_plate
 from shared.workcell.site import Site
 from shared.workcell.skills import COMMANDS
-from shared.workcell.state import near_plate
 
 DECISION_STEPS = 20
 EXECUTE_STEPS = 5
@@ -114,7 +112,7 @@ class _Session:
         commander, stock = draw_commander(rng, chains=CHAINS, mistakes=0.05)
         self._cell.reset(rng, stock)
         if rng.random() < PLATE_MOVES:
-            shift_plate(self._cell, rng)
+            shift_plate(self._cell, self._cell.state(), rng)
         noise = Noise(rng)
         said, expert_left, learner_left = "", 0, 0
         chunk: list[NDArray[np.float32]] = []
@@ -179,17 +177,6 @@ class _Session:
             np.array(self._done, np.bool_),
             np.array(self.runs, np.int32),
         )
-
-
-def shift_plate(cell: Cell, rng: np.random.Generator) -> None:
-    """Put the plate a few centimetres elsewhere, where there is room; else leave it."""
-    x, y = rng.uniform(-0.04, 0.04), rng.uniform(-0.11, -0.03)
-    state = cell.state()
-    if not state.present[PLATE] or state.holding:
-        return
-    others = [at for item, at in enumerate(state.points[:COUNT]) if item not in near_plate(state)]
-    if all(np.hypot(at[0] - x, at[1] - y) > PLATE_RADIUS_M + 0.036 for at in others):
-        cell.move_plate(float(x), float(y))
 
 
 class Noise:

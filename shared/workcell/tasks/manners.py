@@ -1,10 +1,6 @@
 """The ways in which people put a wish into words: a site has one of them, or all."""
 
-from typing import Literal
-
 import numpy as np
-
-Manner = Literal["plain", "polite", "chatty"]
 
 _FRAMES: dict[str, tuple[str, ...]] = {
     "plain": ("{}",),
@@ -22,8 +18,6 @@ _FRAMES: dict[str, tuple[str, ...]] = {
         "right, when you are ready {}",
     ),
 }
-MANNERS = tuple(_FRAMES)
-
 
 def put(core: str, manner: str, rng: np.random.Generator) -> str:
     """An imperative clause in this manner. Plain words stay as they are and draw nothing."""
