@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from safetensors.numpy import load_file, save_file
 
 from services.learner.pretrain.commander import TaskCommander
-from services.learner.pretrain.exam import Hand
 from services.learner.pretrain.practice import DECISION_STEPS, EPISODE_STEPS, Noise
+from shared.evaluation.hand import Hand
 from shared.policies import examples
 from shared.policies.checkpoint import Tensors
 from shared.policies.examples import Examples, as_bytes, as_texts

@@ -10,8 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from services.learner.pretrain.demonstrate import HISTORY
-from services.learner.pretrain.exam import Attempt, Hand
+from services.learner.pretrain.exam import Attempt
 from services.learner.pretrain.practice import DECISION_STEPS, EPISODE_STEPS
+from shared.evaluation.hand import Hand
 from shared.messages.observation import Observation
 from shared.policies.examples import Examples
 from shared.policies.high_level import HighLevel

@@ -1,14 +1,6 @@
 """Rates and their intervals."""
 
-import pytest
-
-from services.learner.pretrain.exam import Attempt, by_name, figure, wilson
-
-
-def test_a_rate_has_its_wilson_interval() -> None:
-    assert wilson(5, 10) == pytest.approx((0.2366, 0.7634), abs=1e-4)
-    assert wilson(10, 10) == pytest.approx((0.7225, 1.0), abs=1e-4)
-    assert wilson(0, 0) == (0.0, 1.0)
+from services.learner.pretrain.exam import Attempt, by_name, figure
 
 
 def test_attempts_are_counted_by_name() -> None:
