@@ -30,6 +30,9 @@ def main(
     ] = None,
     seeds: Annotated[str, typer.Option(help="A:B, from the first evaluation seed")] = "0:60",
     site: Annotated[str, typer.Option(help="settings file of the cell")] = "workshop",
+    skills: Annotated[
+        Optional[int], typer.Option(min=1, help="how many the prompts take; as the task likes")
+    ] = None,
     low_level: Annotated[str, typer.Option(help="checkpoint folder; the bundled one")] = "",
     data: Annotated[Path, typer.Option(help="the run whose versions are meant")] = Path("runs/up"),
     report: Annotated[Optional[Path], typer.Option(help="write the figures here")] = None,
@@ -45,7 +48,7 @@ def main(
     """
     from shared.evaluation.plan import Plan, find_high_level, parse_seeds
 
-    settings: dict[str, Any] = {"site": site, "low_level": low_level}
+    settings: dict[str, Any] = {"site": site, "low_level": low_level, "skills": skills}
     if task:
         settings["tasks"] = tuple(name for text in task for name in text.split(","))
     settings["rollout"] = load_or_exit(RolloutSettings, "rollout", sets=set_ or ())

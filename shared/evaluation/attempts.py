@@ -27,6 +27,7 @@ class Attempt(_Kept):
 
     command: as it was said. skill: its name in reports; "" if no skill reads so, or it is to wait.
     begin: the first control step. steps: until it was achieved, else until it ended.
+    wrong: decisions that put it in force, or kept it there, although it was not right.
     """
 
     command: str
@@ -34,6 +35,12 @@ class Attempt(_Kept):
     success: bool
     begin: int
     steps: int
+    wrong: int = 0
+
+    @property
+    def flawless(self) -> bool:
+        """Both levels did their part: it was achieved, and right to say as long as it was said."""
+        return self.success and not self.wrong
 
 
 class Row(_Kept):

@@ -45,7 +45,7 @@ class Evaluator:
     def __init__(self, plan: Plan) -> None:
         torch.set_num_threads(1)  # The processes share the cores.
         self._plan = plan
-        self._station = Station(plan.site)
+        self._station = Station(plan.site, plan.skills)
         self._low_level = LowLevel.load(plan.low_level_folder())
         self._high_level = self._make_high_level()
 

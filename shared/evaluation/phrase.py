@@ -1,5 +1,6 @@
 """One phrase put to the low level in one scene: what it understood, and what it did."""
 
+import json
 from pathlib import Path
 from typing import NamedTuple, Protocol, runtime_checkable
 
@@ -15,7 +16,7 @@ from shared.evaluation.watch import ATTEMPT_STEPS
 from shared.goals.family import Floats
 from shared.goals.language.bank import PhraseBank
 from shared.messages.goal import Goal
-from shared.policies.checkpoint import bundled
+from shared.policies.checkpoint import bundled, load_card
 from shared.policies.low_level import LowLevel
 from shared.workcell import skills
 from shared.workcell.env import WorkcellEnv, objects
@@ -57,6 +58,14 @@ class Phrases(Settings):
 
     site: str = "lab"
     low_level: str = ""
+
+    def folder(self) -> Path:
+        """Where the low level lies."""
+        return Path(self.low_level) if self.low_level else bundled("low_level")
+
+    def note(self) -> str:
+        """What its rows hang on; see `Plan.note`."""
+        return json.dumps({"site": self.site, "low_level": load_card(self.folder()).tensors_sha256})
 
 
 class Trial(Settings):
@@ -104,8 +113,7 @@ class Speaker:
 
     def __init__(self, plan: Phrases) -> None:
         torch.set_num_threads(1)  # The processes share the cores.
-        folder = plan.low_level or bundled("low_level")
-        self._low_level = LowLevel.load(Path(folder))
+        self._low_level = LowLevel.load(plan.folder())
         self._env = WorkcellEnv(plan.site, max_steps=1 << 30)
         self._bank: PhraseBank | None = None
 
@@ -176,4 +184,4 @@ def contrary(state: CellState, fine: frozenset[str], seed: int) -> str:
     else:
         items = [row for row in range(COUNT) if on_table(state, row)]
         choices = [text for text in map(skills.pick, items) if text not in fine]
-    return str(np.random.default_rng(seed).choice(choices))
+    return str(np.random.default_rng(seed).choice(choices or [WAIT]))

@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 from typing import Annotated, NamedTuple, Self
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from shared.config import Settings
@@ -34,6 +35,7 @@ class Plan(Settings):
     tasks: taken in turn, one episode a seed.
     seeds: from A up to B, counted from the first evaluation seed, on which nobody ever trained.
     low_level: checkpoint folder; "": the one that comes with the project.
+    skills: how many an episode's prompt takes; None: as many as its task likes.
     """
 
     high_level: str = BASE
@@ -42,6 +44,7 @@ class Plan(Settings):
     seeds: tuple[int, int] = (0, 60)
     rollout: RolloutSettings = RolloutSettings()
     low_level: str = ""
+    skills: int | None = None
 
     @model_validator(mode="after")
     def _in_range(self) -> Self:
@@ -85,7 +88,7 @@ class Plan(Settings):
         """
         load_site(self.site)
         for task in self.tasks:
-            task_named(task)
+            task_named(task).sample(np.random.default_rng(0), self.skills)
         LowLevel.load(self.low_level_folder())
         if self.high_level != ORACLE:
             HighLevel.load(self.high_level_folder())

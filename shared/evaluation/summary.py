@@ -18,6 +18,7 @@ def report(plan: Plan, rows: Iterable[Row], high_level: str, command: str) -> di
         "schema": SCHEMA,
         "high_level": high_level,
         "site": plan.site,
+        "length": plan.skills,
         "seeds": f"{first}:{end}",
         "command": command,
         **summarize(rows),

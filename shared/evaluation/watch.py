@@ -29,6 +29,7 @@ class Watch:
         self._skill: Skill | None = None
         self._begin = 0
         self._achieved_after = 0  # Steps; 0: not yet.
+        self._wrong = self._wrong_now = 0  # Decisions: of this attempt, and just now.
         self._attempts: list[Attempt] = []
         self.wrong, self.failure, self.failed_step = 0, "", -1
 
@@ -39,6 +40,7 @@ class Watch:
         fine = self._env.task.acceptable_commands(state, self._env.brief, previous)
         if said is None or said.text not in fine:
             self.wrong += 1
+            self._wrong_now = 1
             self._blame(mistake(said, fine, state), self._env.elapsed_steps)
         elif previous in fine and previous != decision.executed.text and not self._achieved_after:
             self._blame(CHANGED_ITS_MIND, self._env.elapsed_steps)
@@ -48,7 +50,9 @@ class Watch:
         if command != self._command:
             self._close(step - 1)
             self._command, self._skill = command, skill_of(command)
-            self._begin, self._before, self._achieved_after = step - 1, self._now, 0
+            self._begin, self._before = step - 1, self._now
+            self._achieved_after = self._wrong = 0
+        self._wrong, self._wrong_now = self._wrong + self._wrong_now, 0
         self._now = self._env.state
         open_ = self._skill if not self._achieved_after else None
         if open_ and achieved(open_, self._before, self._now):
@@ -70,7 +74,14 @@ class Watch:
         name, done = skill_name(self._skill), bool(self._achieved_after)
         steps = self._achieved_after or step - self._begin
         self._attempts.append(
-            Attempt(command=self._command, skill=name, success=done, begin=self._begin, steps=steps)
+            Attempt(
+                command=self._command,
+                skill=name,
+                success=done,
+                begin=self._begin,
+                steps=steps,
+                wrong=self._wrong,
+            )
         )
         if name and not done:
             self._blame(f"{name} failed", step)

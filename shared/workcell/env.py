@@ -43,7 +43,9 @@ class WorkcellEnv(gymnasium.Env[Observation, np.ndarray]):
         cameras: bool = False,
         max_steps: int = MAX_STEPS,
         render_mode: str | None = None,
+        skills: int | None = None,
     ) -> None:
+        """skills: how many the wishes that are drawn take; None: as many as the task likes."""
         self.cell = Cell(site)
         self.cameras, self.max_steps, self.render_mode = cameras, max_steps, render_mode
         low, high = ACTION_LOW.astype(np.float32), ACTION_HIGH.astype(np.float32)
@@ -53,6 +55,7 @@ class WorkcellEnv(gymnasium.Env[Observation, np.ndarray]):
         self.state: CellState = self.cell.state()
         self.elapsed_steps = 0
         self._fulfilled_steps = 0
+        self._skills = skills
 
     @property
     def task(self) -> Task:
@@ -112,7 +115,7 @@ class WorkcellEnv(gymnasium.Env[Observation, np.ndarray]):
             return understand(prompt) if task is None else task_named(task).understand(prompt)
         if task is None:
             task = list(TASKS)[int(self.np_random.integers(len(TASKS)))]
-        return task_named(task).sample(self.np_random)
+        return task_named(task).sample(self.np_random, self._skills)
 
     def _observe(self) -> Observation:
         seen = {"proprioception": proprioception(self.state), "objects": objects(self.state)}

@@ -15,8 +15,8 @@ class Station:
 
     action_size = 14
 
-    def __init__(self, site: Site | str) -> None:
-        self._env = WorkcellEnv(site, max_steps=1 << 30)
+    def __init__(self, site: Site | str, skills: int | None = None) -> None:
+        self._env = WorkcellEnv(site, max_steps=1 << 30, skills=skills)
 
     def reset(self, seed: int, task: str, prompt: str | None) -> Scene:
         """See `Robot.reset`.

@@ -8,6 +8,7 @@ from typing import Protocol
 import numpy as np
 
 from shared.workcell import skills
+from shared.workcell.errors import UnknownPrompt
 from shared.workcell.objects import OBJECT_NAMES
 from shared.workcell.state import CellState, cover_of
 
@@ -33,8 +34,8 @@ class Task(Protocol):
     def name(self) -> str:
         """The task's name in the registry."""
 
-    def sample(self, rng: np.random.Generator) -> Brief:
-        """Draw a wish."""
+    def sample(self, rng: np.random.Generator, skills: int | None = None) -> Brief:
+        """Draw a wish, of so many skills. Raises: UnknownPrompt, saying how many can be."""
 
     def understand(self, prompt: str) -> Brief:
         """The wish that a sentence expresses. Raises: UnknownPrompt, saying a valid form."""
@@ -65,6 +66,15 @@ def put_commands(
     if previous in skills.PUTS or height > CARRY_M:
         return put, frozenset({put})
     return lift, frozenset({lift, put} if height > CARRY_SOON_M else {lift})
+
+
+def things_of(skills: int, fewest: int, most: int) -> int:
+    """How many things take so many skills, a pick and a put each. Raises: UnknownPrompt."""
+    if skills % 2 or not 2 * fewest <= skills <= 2 * most:
+        raise UnknownPrompt(
+            f"no wish takes {skills} skills; even numbers from {2 * fewest} to {2 * most} do"
+        )
+    return skills // 2
 
 
 def uncovered(state: CellState, item: int) -> int:

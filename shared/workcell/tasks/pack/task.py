@@ -8,7 +8,14 @@ from shared.workcell import skills
 from shared.workcell.errors import UnknownPrompt
 from shared.workcell.objects import OBJECT_NAMES, index
 from shared.workcell.state import CellState, held_object, in_bin
-from shared.workcell.tasks.task import Brief, listing, objects_in, put_commands, uncovered
+from shared.workcell.tasks.task import (
+    Brief,
+    listing,
+    objects_in,
+    put_commands,
+    things_of,
+    uncovered,
+)
 
 FEWEST, MOST = 2, 4
 TEMPLATES = (
@@ -31,9 +38,10 @@ class Pack:
     def __init__(self, things: int = 3) -> None:
         self._things = things
 
-    def sample(self, rng: np.random.Generator) -> Brief:
+    def sample(self, rng: np.random.Generator, skills: int | None = None) -> Brief:
         """Draw the things and the words."""
-        things = [str(name) for name in rng.permutation(OBJECT_NAMES)[: self._things]]
+        count = things_of(skills, FEWEST, MOST) if skills else self._things
+        things = [str(name) for name in rng.permutation(OBJECT_NAMES)[:count]]
         template = TEMPLATES[int(rng.integers(len(TEMPLATES)))]
         named = listing([f"the {name}" for name in things])
         return Brief(self.name, template.format(named), tuple(things))

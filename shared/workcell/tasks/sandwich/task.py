@@ -6,7 +6,14 @@ from shared.workcell import skills
 from shared.workcell.errors import UnknownPrompt
 from shared.workcell.objects import OBJECT_NAMES, index
 from shared.workcell.state import CellState, astray_on_plate, held_object, stack_on_plate
-from shared.workcell.tasks.task import Brief, listing, objects_in, put_commands, uncovered
+from shared.workcell.tasks.task import (
+    Brief,
+    listing,
+    objects_in,
+    put_commands,
+    things_of,
+    uncovered,
+)
 
 FILLINGS = ("cheese", "ham", "lettuce", "tomato", "onion")
 MOST_FILLINGS = 3
@@ -29,9 +36,10 @@ class Sandwich:
     def __init__(self, fillings: int = 2) -> None:
         self._fillings = fillings
 
-    def sample(self, rng: np.random.Generator) -> Brief:
+    def sample(self, rng: np.random.Generator, skills: int | None = None) -> Brief:
         """Draw the fillings and the words."""
-        fillings = [str(name) for name in rng.permutation(FILLINGS)[: self._fillings]]
+        count = things_of(skills, 3, MOST_FILLINGS + 2) - 2 if skills else self._fillings
+        fillings = [str(name) for name in rng.permutation(FILLINGS)[:count]]
         template = TEMPLATES[int(rng.integers(len(TEMPLATES)))]
         return self._brief(template.format(listing(fillings)), fillings)
 
