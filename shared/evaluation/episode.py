@@ -68,7 +68,7 @@ class Evaluator:
             name="evaluation",
             episode=f"seed-{case.seed}",
             scene=scene,
-            decided=watch.decided,
+            decided=lambda decision: watch.decided(decision.executed.text),
         )
         while not rollout.over:
             if rollout.advance() and rollout.command:

@@ -3,7 +3,6 @@
 from collections.abc import Set
 
 from shared.evaluation.attempts import Attempt, skill_name, skill_of
-from shared.messages.decision import Decision
 from shared.workcell.env import WorkcellEnv
 from shared.workcell.objects import OBJECT_NAMES
 from shared.workcell.skills import Skill, achieved, parse
@@ -33,16 +32,16 @@ class Watch:
         self._attempts: list[Attempt] = []
         self.wrong, self.failure, self.failed_step = 0, "", -1
 
-    def decided(self, decision: Decision) -> None:
-        """Hold a decision against what is right at the moment at which it takes force."""
-        state, said = self._env.state, skill_of(decision.executed.text)
+    def decided(self, command: str) -> None:
+        """A decision puts a command in force: hold it against what is right at this moment."""
+        state, said = self._env.state, skill_of(command)
         previous = self._command
         fine = self._env.task.acceptable_commands(state, self._env.brief, previous)
         if said is None or said.text not in fine:
             self.wrong += 1
             self._wrong_now = 1
             self._blame(mistake(said, fine, state), self._env.elapsed_steps)
-        elif previous in fine and previous != decision.executed.text and not self._achieved_after:
+        elif previous in fine and previous != command and not self._achieved_after:
             self._blame(CHANGED_ITS_MIND, self._env.elapsed_steps)
 
     def stepped(self, command: str, step: int) -> None:

@@ -22,9 +22,10 @@ def run(bench: Bench) -> Findings:
         method=(
             "T is the number of skills that a prompt takes, a pick and a put for each thing. Each "
             "length is tried on the same scenes under each high level, with the same low level.",
-            "ε is the share of skill calls in these same episodes that failed: not achieved, or "
-            "not right to say at some decision while in force. (1-ε)^T is what success would be "
-            "if each call had to succeed at once, independently of the others.",
+            "ε is the share of skill calls in these same episodes that failed, up to the first "
+            "that did in each: not achieved, or not right to say at some decision while in force. "
+            "(1-ε)^T is what success would be if each call had to succeed at the first try, "
+            "independently of the others.",
         ),
         figures=figures,
         tables=tuple(_table(task, by_high) for task, by_high in figures.items()),
@@ -73,12 +74,17 @@ def _grow(bench: Bench, task: str, high: str) -> dict[str, Any]:
 def fallibility(rows: Sequence[Row]) -> dict[str, Any]:
     """ε: the share of skill calls that were not flawless, with n and interval.
 
-    To wait is a call only where it was wrong.
+    Of each episode the calls up to the first that failed: what comes after it tells how a lost
+    episode goes on, and not how one is lost. To wait is a call only where it was wrong.
     """
-    attempts = (attempt for row in rows for attempt in row.attempts)
-    calls = [attempt for attempt in attempts if attempt.skill or attempt.wrong]
-    failed = rate([not call.flawless for call in calls])
+    failed = rate([failed for row in rows for failed in _until_failed(row)])
     return {"value": failed["success"], "n": failed["n"], "interval": failed["interval"]}
+
+
+def _until_failed(row: Row) -> list[bool]:
+    """Of each call whether it failed, up to the first that did."""
+    calls = [not one.flawless for one in row.attempts if one.skill or one.wrong]
+    return calls[: calls.index(True) + 1] if True in calls else calls
 
 
 def chain(epsilon: dict[str, Any], length: int) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from typing import Any
 from services.learner.experiments.findings import Curve, Panel, Plot
 
 COLOURS = ("#1f5fa8", "#c0562b", "#2e8b57", "#7a4fa3", "#8a7a2a", "#555555")
-WIDTH_IN, HEIGHT_IN = 4.6, 3.6
+WIDTH_IN, HEIGHT_IN, NAME_IN = 4.6, 3.6, 0.36
 
 
 def draw(folder: Path, plot: Plot) -> str:
@@ -18,7 +18,9 @@ def draw(folder: Path, plot: Plot) -> str:
     # No dates and fixed ids, so that equal findings give equal files.
     with matplotlib.rc_context({"svg.hashsalt": plot.name}):
         count = len(plot.panels)
-        figure = Figure(figsize=(WIDTH_IN * count, HEIGHT_IN), layout="constrained")
+        most = max(len(_places(panel)) for panel in plot.panels)
+        size = count * max(WIDTH_IN, NAME_IN * most), HEIGHT_IN
+        figure = Figure(figsize=size, layout="constrained")
         for axes, panel in zip(
             figure.subplots(1, count, squeeze=False)[0], plot.panels, strict=True
         ):
@@ -31,8 +33,8 @@ def draw(folder: Path, plot: Plot) -> str:
 
 
 def _panel(axes: Any, panel: Panel, plot: Plot) -> None:
-    named = any(isinstance(x, str) for curve in panel.curves for x in curve.x)
-    names = list(dict.fromkeys(x for curve in panel.curves for x in curve.x)) if named else []
+    names = _places(panel)
+    named = any(isinstance(name, str) for name in names)
     colours: dict[str, str] = {}
     fresh = cycle(COLOURS)
     for place, curve in enumerate(panel.curves):
@@ -43,9 +45,16 @@ def _panel(axes: Any, panel: Panel, plot: Plot) -> None:
         _curve(axes, curve, x, colour, named)
     if named:
         axes.set_xticks(range(len(names)), names, rotation=35, ha="right")
+    else:
+        axes.set_xticks(names, [f"{name:g}" for name in names])
     axes.set(ylim=(-0.03, 1.03), xlabel=plot.x_label, ylabel=plot.y_label, title=panel.title)
     axes.spines[["top", "right"]].set_visible(False)
     axes.legend(loc="best", frameon=False, fontsize="small")
+
+
+def _places(panel: Panel) -> list[Any]:
+    """All that there is along x, in order, once."""
+    return list(dict.fromkeys(x for curve in panel.curves for x in curve.x))
 
 
 def _last(colours: dict[str, str]) -> str:
