@@ -66,6 +66,9 @@ def main(
         again = "; the same command goes on" if report else ""
         print(f"evaluate: stopped{again}", file=sys.stderr)
         raise typer.Exit(INTERRUPTED) from None
+    except HldError as error:
+        print(f"evaluate: {error}", file=sys.stderr)
+        raise typer.Exit(1) from None
 
 
 def _evaluate(plan: Any, high_level: str, file: Path | None, processes: int) -> None:

@@ -6,10 +6,12 @@ import signal
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
 from multiprocessing import connection
 from typing import Any, Protocol, Self, TypeVar
 
 from shared.config import Settings
+from shared.errors import HldError
 
 J = TypeVar("J", contravariant=True)
 R = TypeVar("R", covariant=True)
@@ -56,10 +58,20 @@ class Pool:
     def work(
         self, make: Callable[[P], Worker[Job, Result]], plan: P, jobs: Sequence[Job]
     ) -> Iterator[Result]:
-        """Results as they are finished. make: what each process does once with the plan."""
-        futures = [self._pool.submit(_work, make, plan, job) for job in jobs]
-        for future in as_completed(futures):
-            yield future.result()
+        """Results as they are finished. make: what each process does once with the plan.
+
+        Raises:
+            HldError: a process died; and whatever a job raises.
+        """
+        try:
+            futures = [self._pool.submit(_work, make, plan, job) for job in jobs]
+            for future in as_completed(futures):
+                yield future.result()
+        except BrokenProcessPool:
+            raise HldError(
+                "a process was ended from outside, perhaps for want of memory; the same command "
+                "goes on, --processes 1 needs the least"
+            ) from None
 
 
 _loaded: dict[str, Worker[Any, Any]] = {}  # At most one a process, by its plan.

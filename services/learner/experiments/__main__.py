@@ -95,7 +95,8 @@ def main(
         console.print(f"stopped; the same command goes on in {out}", markup=False)
         raise typer.Exit(INTERRUPTED) from None
     except HldError as error:
-        exit_misconfigured("experiment", error)
+        print(f"experiment: {error}", file=sys.stderr)
+        raise typer.Exit(1) from None
     report.write(out, findings, about)
     console.print(f"report: {out / 'report.md'}", markup=False)
 

@@ -1,4 +1,4 @@
-"""Closed-loop examination: how often skills and tasks succeed, each rate with its interval."""
+"""Closed-loop examination of skills: how often they succeed, each rate with its interval."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -7,8 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from services.learner.pretrain.commander import ChainCommander, TaskCommander
-from services.learner.pretrain.practice import DECISION_STEPS, EPISODE_STEPS
+from services.learner.pretrain.commander import ChainCommander
 from shared.evaluation.hand import Hand
 from shared.intervals import wilson
 from shared.policies.checkpoint import Figure
@@ -40,23 +39,6 @@ class Exam:
     site: Site | str
     seeds: tuple[int, ...]
     phrases: dict[str, tuple[str, ...]]
-
-
-def try_tasks(exam: Exam) -> list[Attempt]:
-    """Tasks with the oracle as the high level."""
-    low, attempts = LowLevel.load(exam.low_level), []
-    env = WorkcellEnv(exam.site)
-    for seed in exam.seeds:
-        env.reset(seed=seed)
-        commander = TaskCommander(env.brief, env.task, np.random.default_rng(seed), slips=0.0)
-        hand = Hand(low)
-        for step in range(EPISODE_STEPS):
-            if step % DECISION_STEPS == 0:
-                hand.obey(commander.command(env.state) or skills.WAIT)
-            if env.step(hand.move(env))[2]:
-                break
-        attempts.append(Attempt(env.brief.task, env.elapsed_steps < EPISODE_STEPS, step + 1))
-    return attempts
 
 
 def try_skills(exam: Exam) -> list[Attempt]:

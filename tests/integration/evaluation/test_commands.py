@@ -37,7 +37,9 @@ def evaluation(report, seeds):
 
 def test_an_evaluation_that_was_killed_goes_on_where_it_was(tmp_path):
     report = tmp_path / "r.json"
-    killed = subprocess.Popen(hld(*evaluation(report, "0:40")), stdout=subprocess.DEVNULL)
+    killed = subprocess.Popen(
+        hld(*evaluation(report, "0:40")), stdout=subprocess.DEVNULL, start_new_session=True
+    )
     deadline = time.monotonic() + DEADLINE_S
     while len(rows(report)) < 2:
         assert time.monotonic() < deadline
@@ -45,6 +47,9 @@ def test_an_evaluation_that_was_killed_goes_on_where_it_was(tmp_path):
         time.sleep(0.01)
     killed.kill()
     killed.wait()
+    while alive(killed.pid):  # Nobody stays behind.
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
     kept = [row for row in rows(report) if row.endswith("\n")]
     again = run(*evaluation(report, "0:3"))
     assert again.returncode == 0, again.stderr

@@ -1,6 +1,8 @@
 """Rates and their intervals."""
 
 from services.learner.pretrain.exam import Attempt, by_name, figure
+from services.learner.pretrain.figures import roll_out
+from shared.evaluation.plan import Plan
 
 
 def test_attempts_are_counted_by_name() -> None:
@@ -11,3 +13,10 @@ def test_attempts_are_counted_by_name() -> None:
         ("skill pick", 0.5, 2),
     ]
     assert figure("none", []).n == 0
+
+
+def test_the_cards_rates_come_from_evaluations() -> None:
+    plan = Plan(high_level="oracle", site="lab", tasks=("pack",), seeds=(0, 1))
+    rows = roll_out(plan, plan.cases())
+    assert [(row.seed, row.task) for row in rows] == plan.cases()
+    assert rows[0].steps > 0
