@@ -8,6 +8,8 @@ from services.learner.experiments.findings import Curve, Panel, Plot
 
 COLOURS = ("#1f5fa8", "#c0562b", "#2e8b57", "#7a4fa3", "#8a7a2a", "#555555")
 WIDTH_IN, HEIGHT_IN, NAME_IN = 4.6, 3.6, 0.36
+CROWD = 5
+"""More names than this don't fit beside one another."""
 
 
 def draw(folder: Path, plot: Plot) -> str:
@@ -44,12 +46,16 @@ def _panel(axes: Any, panel: Panel, plot: Plot) -> None:
         x = [names.index(at) + shift if named else float(at) for at in curve.x]
         _curve(axes, curve, x, colour, named)
     if named:
-        axes.set_xticks(range(len(names)), names, rotation=35, ha="right")
+        crowded = {"rotation": 35, "ha": "right"} if len(names) > CROWD else {}
+        axes.set_xticks(range(len(names)), names, **crowded)
     else:
         axes.set_xticks(names, [f"{name:g}" for name in names])
     axes.set(ylim=(-0.03, 1.03), xlabel=plot.x_label, ylabel=plot.y_label, title=panel.title)
     axes.spines[["top", "right"]].set_visible(False)
-    axes.legend(loc="best", frameon=False, fontsize="small")
+    if len(panel.curves) > 1:  # Below, where it covers nothing.
+        axes.legend(
+            loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2, frameon=False, fontsize="small"
+        )
 
 
 def _places(panel: Panel) -> list[Any]:
