@@ -1,6 +1,7 @@
 """One phrase put to the low level in one scene: what it understood, and what it did."""
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple, Protocol, runtime_checkable
 
@@ -46,10 +47,10 @@ class Reading(NamedTuple):
 
 @runtime_checkable
 class Reader(Protocol):
-    """A low level that tells how it reads a phrase."""
+    """A low level that tells how it reads a phrase; what it refuses, its `objection` says."""
 
-    def read(self, text: str, objects: Floats) -> tuple[str, tuple[tuple[str, float], ...]]:
-        """See `Reading`. objects: as in `Observation`."""
+    def nearest(self, goal: Goal, objects: Floats) -> Sequence[tuple[str, float]]:
+        """The commands that it knows and that can be done here, with scores, best first."""
         ...
 
 
@@ -143,17 +144,16 @@ class Speaker:
     def read(self, phrase: str) -> Reading:
         """What the low level makes of a phrase in the scene as it is.
 
-        One that doesn't tell is compared by the meaning of the words, and refuses what it objects
-        to.
+        One that doesn't tell what is near is helped out by the meaning of the words.
         """
-        things = objects(self._env.state)
+        goal, things = Goal(text=phrase), objects(self._env.state)
+        refused = self._low_level.objection(goal, things)
         if isinstance(self._low_level, Reader):
-            refused, nearest = self._low_level.read(phrase, things)
-            return Reading(refused, tuple(Near(*one) for one in nearest))
-        self._bank = self._bank or PhraseBank.of(COMMANDS)
-        matches = self._bank.nearest(phrase, NEAREST)
-        refused = self._low_level.objection(Goal(text=phrase), things)
-        return Reading(refused, tuple(Near(one.phrase, round(one.score, 4)) for one in matches))
+            near: Sequence[tuple[str, float]] = self._low_level.nearest(goal, things)
+        else:
+            self._bank = self._bank or PhraseBank.of(COMMANDS)
+            near = self._bank.nearest(phrase, NEAREST)
+        return Reading(refused, tuple(Near(text, round(score, 4)) for text, score in near))
 
     def _act(self, phrase: str, expected: str, steps: int) -> tuple[tuple[str, ...], int]:
         """The commands that were achieved, in order, and the steps that it took."""
@@ -180,7 +180,7 @@ class Speaker:
 def contrary(state: CellState, fine: frozenset[str], seed: int) -> str:
     """A command that can be obeyed here and contradicts all that are right, drawn by the seed."""
     if state.holding:
-        choices = sorted(PUTS - fine)
+        choices = sorted(text for text in PUTS - fine if skills.possible(skills.parse(text), state))
     else:
         items = [row for row in range(COUNT) if on_table(state, row)]
         choices = [text for text in map(skills.pick, items) if text not in fine]

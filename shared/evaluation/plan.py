@@ -16,7 +16,7 @@ from shared.policies.low_level import LowLevel
 from shared.rollout.settings import RolloutSettings
 from shared.seeds import EVALUATION
 from shared.workcell.site import load_site
-from shared.workcell.tasks import TASKS, task_named
+from shared.workcell.tasks import TASKS, Draw, task_named
 
 ORACLE, BASE = "oracle", "base"
 
@@ -88,7 +88,7 @@ class Plan(Settings):
         """
         load_site(self.site)
         for task in self.tasks:
-            task_named(task).sample(np.random.default_rng(0), self.skills)
+            task_named(task).sample(np.random.default_rng(0), Draw(skills=self.skills))
         LowLevel.load(self.low_level_folder())
         if self.high_level != ORACLE:
             HighLevel.load(self.high_level_folder())

@@ -11,7 +11,7 @@ from shared.workcell.cell import ACTION_HIGH, ACTION_LOW, CONTROL_HZ, Cell
 from shared.workcell.objects import BODY_NAMES
 from shared.workcell.site import Site
 from shared.workcell.state import CellState
-from shared.workcell.tasks import TASKS, Brief, Task, task_named, understand
+from shared.workcell.tasks import TASKS, Brief, Draw, Task, task_named, understand
 
 IMAGE_SIZE = 64
 HELD_SUCCESS_STEPS = 10
@@ -115,7 +115,7 @@ class WorkcellEnv(gymnasium.Env[Observation, np.ndarray]):
             return understand(prompt) if task is None else task_named(task).understand(prompt)
         if task is None:
             task = list(TASKS)[int(self.np_random.integers(len(TASKS)))]
-        return task_named(task).sample(self.np_random, self._skills)
+        return task_named(task).sample(self.np_random, Draw(skills=self._skills))
 
     def _observe(self) -> Observation:
         seen = {"proprioception": proprioception(self.state), "objects": objects(self.state)}

@@ -4,6 +4,7 @@ WorkcellError (shared.errors)
 ├── UnknownCommand      the words are no command of this cell
 ├── UnknownPrompt       the words ask for no task of this cell
 ├── UnknownTask         no task has this name
+├── InvalidLength       a task can't take so many skills
 ├── InvalidSite         a site file is missing, or says something a site cannot say
 ├── InvalidAction       an action has the wrong shape, or is not finite
 └── InvalidState        arrays that are no state of this cell
@@ -30,6 +31,10 @@ class UnknownTask(WorkcellError):
 
     def __init__(self, name: str, tasks: Iterable[str]) -> None:
         super().__init__(f"unknown task {name!r}; the tasks are {', '.join(tasks)}")
+
+
+class InvalidLength(WorkcellError):
+    """A task can't take so many skills."""
 
 
 class InvalidSite(WorkcellError):

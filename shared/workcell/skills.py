@@ -68,6 +68,11 @@ def parse(text: str) -> Skill:
     return skill
 
 
+def possible(skill: Skill, state: CellState) -> bool:
+    """Whether the skill can be done in this state."""
+    return skill.verb in ("pick", "wait") or bool(state.holding)
+
+
 def achieved(skill: Skill, before: CellState, now: CellState) -> bool:
     """Whether the skill, begun in state `before`, is done in state `now`.
 

@@ -5,9 +5,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol, TypeVar
 
-import numpy as np
-
-from shared.errors import WorkcellError
 from shared.evaluation.attempts import Row
 from shared.evaluation.evaluate import evaluate
 from shared.evaluation.phrase import Phrases, Said, Speaker, Trial
@@ -15,7 +12,7 @@ from shared.evaluation.plan import Plan
 from shared.evaluation.pool import Pool
 from shared.evaluation.rows import Rows, measure
 from shared.seeds import EVALUATION
-from shared.workcell.tasks import TASKS, task_named
+from shared.workcell.tasks import TASKS
 
 R = TypeVar("R")
 
@@ -82,7 +79,7 @@ class Bench:
 
     def tasks(self, skills: int | None = None) -> list[str]:
         """The tasks whose prompts can take so many skills."""
-        return [task for task in TASKS if skills is None or _takes(task, skills)]
+        return [name for name, task in TASKS.items() if skills is None or skills in task.lengths]
 
     def _file(self, name: str) -> Path:
         return self.out / "rows" / f"{name}.jsonl"
@@ -92,14 +89,6 @@ class Bench:
         for row in rows:
             tell()
             yield row
-
-
-def _takes(task: str, skills: int) -> bool:
-    try:
-        task_named(task).sample(np.random.default_rng(0), skills)
-    except WorkcellError:
-        return False
-    return True
 
 
 def slug(high_level: str) -> str:

@@ -3,8 +3,7 @@
 import numpy as np
 
 from services.learner.experiments.bench import Bench
-from shared.evaluation.scene import Setting
-from shared.workcell.objects import OBJECT_NAMES
+from shared.evaluation.scene import ANYTHING, Setting
 from shared.workcell.skills import PUTS, SKILLS, WAIT, Skill
 
 LEADS = (0, 2, 4)
@@ -13,9 +12,9 @@ LEADS = (0, 2, 4)
 
 def setting_for(skill: Skill, bench: Bench, number: int) -> Setting:
     """The bench's `number`-th scene for this skill: for a put, a hand holds something."""
-    seed, tasks = bench.seed(number), bench.tasks()
+    seed = bench.seed(number)
     chance = np.random.default_rng([seed, SKILLS.index(skill)])
     lead, holding = 0, ""
     if skill.text in PUTS or (skill.text == WAIT and chance.random() < 0.5):
-        lead, holding = int(chance.choice(LEADS)), str(chance.choice(OBJECT_NAMES))
-    return Setting(seed=seed, task=tasks[number % len(tasks)], lead=lead, holding=holding)
+        lead, holding = int(chance.choice(LEADS)), ANYTHING
+    return Setting(seed=seed, lead=lead, holding=holding, fits=skill.text)

@@ -3,9 +3,9 @@
 from shared.workcell.errors import UnknownPrompt, UnknownTask
 from shared.workcell.tasks.pack.task import Pack
 from shared.workcell.tasks.sandwich.task import Sandwich
-from shared.workcell.tasks.task import Brief, Task
+from shared.workcell.tasks.task import Brief, Draw, Task
 
-__all__ = ["TASKS", "Brief", "Task", "task_named", "understand"]
+__all__ = ["TASKS", "Brief", "Draw", "Task", "task_named", "understand"]
 
 TASKS: dict[str, Task] = {task.name: task for task in (Sandwich(), Pack())}
 

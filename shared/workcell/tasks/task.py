@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 
 from shared.workcell import skills
-from shared.workcell.errors import UnknownPrompt
+from shared.workcell.errors import InvalidLength
 from shared.workcell.objects import OBJECT_NAMES
 from shared.workcell.state import CellState, cover_of
 
@@ -27,6 +27,19 @@ class Brief:
     target: tuple[str, ...]
 
 
+@dataclass(frozen=True)
+class Draw:
+    """How wishes are drawn.
+
+    skills: how many the episode shall take; None: the task's usual number.
+    """
+
+    skills: int | None = None
+
+
+USUAL = Draw()
+
+
 class Task(Protocol):
     """One kind of wish. Every method is a pure function; `sample` alone consumes its rng."""
 
@@ -34,8 +47,12 @@ class Task(Protocol):
     def name(self) -> str:
         """The task's name in the registry."""
 
-    def sample(self, rng: np.random.Generator, skills: int | None = None) -> Brief:
-        """Draw a wish, of so many skills. Raises: UnknownPrompt, saying how many can be."""
+    @property
+    def lengths(self) -> range:
+        """How many skills an episode can be asked to take."""
+
+    def sample(self, rng: np.random.Generator, draw: Draw = USUAL) -> Brief:
+        """Draw a wish. Raises: InvalidLength, naming the lengths."""
 
     def understand(self, prompt: str) -> Brief:
         """The wish that a sentence expresses. Raises: UnknownPrompt, saying a valid form."""
@@ -68,13 +85,13 @@ def put_commands(
     return lift, frozenset({lift, put} if height > CARRY_SOON_M else {lift})
 
 
-def things_of(skills: int, fewest: int, most: int) -> int:
-    """How many things take so many skills, a pick and a put each. Raises: UnknownPrompt."""
-    if skills % 2 or not 2 * fewest <= skills <= 2 * most:
-        raise UnknownPrompt(
-            f"no wish takes {skills} skills; even numbers from {2 * fewest} to {2 * most} do"
+def check(draw: Draw, name: str, lengths: range) -> None:
+    """Refuse a number of skills that a task can't have. Raises: InvalidLength, naming them."""
+    if draw.skills is not None and draw.skills not in lengths:
+        raise InvalidLength(
+            f"a {name} takes {lengths[0]} to {lengths[-1]} skills, an even number; "
+            f"got {draw.skills}"
         )
-    return skills // 2
 
 
 def uncovered(state: CellState, item: int) -> int:

@@ -53,14 +53,18 @@ def test_to_wait_is_to_have_done_nothing(speaker):
 
 def test_a_phrase_that_the_low_level_objects_to_moves_nothing(speaker):
     class Refusing:
-        def read(self, text, objects):
-            del text, objects
-            return "no such thing", (("pick up the ham", 0.4),)
+        def objection(self, goal, objects):
+            del objects
+            return f"no {goal.text}"
+
+        def nearest(self, goal, objects):
+            del goal, objects
+            return [("pick up the ham", 0.4)]
 
     willing, speaker._low_level = speaker._low_level, Refusing()
     said = speaker(trial("pick up the banana"))
     speaker._low_level = willing
-    assert (said.refused, said.achieved, said.steps) == ("no such thing", None, 0)
+    assert (said.refused, said.achieved, said.steps) == ("no pick up the banana", None, 0)
     assert said.nearest == (("pick up the ham", 0.4),)
 
 
@@ -79,6 +83,13 @@ def test_a_lead_is_the_work_of_the_task_so_far(env):
     assert env.task.progress(env.state, env.brief) == 0.25
     prepare(env, Setting(seed=SEED, task="sandwich", holding="onion"))
     assert env.state.holding == {index("onion")}
+
+
+def test_a_scene_is_looked_for_in_which_a_command_can_be_obeyed(env):
+    prepare(env, Setting(seed=SEED, holding="anything", lead=2, fits="put it in the bin"))
+    assert env.state.holding
+    prepare(env, Setting(seed=SEED, fits="pick up the ham"))
+    assert not env.state.holding
 
 
 def test_equal_settings_make_equal_scenes(env):

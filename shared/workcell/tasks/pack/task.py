@@ -9,11 +9,13 @@ from shared.workcell.errors import UnknownPrompt
 from shared.workcell.objects import OBJECT_NAMES, index
 from shared.workcell.state import CellState, held_object, in_bin
 from shared.workcell.tasks.task import (
+    USUAL,
     Brief,
+    Draw,
+    check,
     listing,
     objects_in,
     put_commands,
-    things_of,
     uncovered,
 )
 
@@ -34,13 +36,15 @@ class Pack:
     """Two to four named things in the bin."""
 
     name = "pack"
+    lengths = range(2 * FEWEST, 2 * MOST + 1, 2)
 
     def __init__(self, things: int = 3) -> None:
         self._things = things
 
-    def sample(self, rng: np.random.Generator, skills: int | None = None) -> Brief:
+    def sample(self, rng: np.random.Generator, draw: Draw = USUAL) -> Brief:
         """Draw the things and the words."""
-        count = things_of(skills, FEWEST, MOST) if skills else self._things
+        check(draw, self.name, self.lengths)
+        count = draw.skills // 2 if draw.skills else self._things
         things = [str(name) for name in rng.permutation(OBJECT_NAMES)[:count]]
         template = TEMPLATES[int(rng.integers(len(TEMPLATES)))]
         named = listing([f"the {name}" for name in things])

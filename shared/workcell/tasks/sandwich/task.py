@@ -7,11 +7,13 @@ from shared.workcell.errors import UnknownPrompt
 from shared.workcell.objects import OBJECT_NAMES, index
 from shared.workcell.state import CellState, astray_on_plate, held_object, stack_on_plate
 from shared.workcell.tasks.task import (
+    USUAL,
     Brief,
+    Draw,
+    check,
     listing,
     objects_in,
     put_commands,
-    things_of,
     uncovered,
 )
 
@@ -32,13 +34,15 @@ class Sandwich:
     """Bread, one to three fillings in the prompt's order, toast."""
 
     name = "sandwich"
+    lengths = range(6, 2 * (MOST_FILLINGS + 2) + 1, 2)
 
     def __init__(self, fillings: int = 2) -> None:
         self._fillings = fillings
 
-    def sample(self, rng: np.random.Generator, skills: int | None = None) -> Brief:
+    def sample(self, rng: np.random.Generator, draw: Draw = USUAL) -> Brief:
         """Draw the fillings and the words."""
-        count = things_of(skills, 3, MOST_FILLINGS + 2) - 2 if skills else self._fillings
+        check(draw, self.name, self.lengths)
+        count = draw.skills // 2 - 2 if draw.skills else self._fillings
         fillings = [str(name) for name in rng.permutation(FILLINGS)[:count]]
         template = TEMPLATES[int(rng.integers(len(TEMPLATES)))]
         return self._brief(template.format(listing(fillings)), fillings)
