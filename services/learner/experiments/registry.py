@@ -20,8 +20,8 @@ class Experiment(NamedTuple):
 EXPERIMENTS = {
     "skills": Experiment(skills.run, small=2, full=100),
     "language": Experiment(language.run, small=2, full=100),
-    "horizon": Experiment(horizon.run, small=2, full=60),
-    "transitions": Experiment(transitions.run, small=2, full=120),
+    "horizon": Experiment(horizon.run, small=1, full=60),
+    "transitions": Experiment(transitions.run, small=1, full=120),
 }
 
 
