@@ -319,7 +319,10 @@ class _Scene:
                 torch.tanh(12 * (self.away - self.tool)),
                 self.tilt.amin(1, keepdim=True),
                 self.gripped.sum(1, keepdim=True),
-                *((self.gripped * measure).sum(1, keepdim=True) for measure in self._measures()[1:3]),
+                *(
+                    (self.gripped * measure).sum(1, keepdim=True)
+                    for measure in self._measures()[1:3]
+                ),
             ],
             -1,
         )

@@ -13,19 +13,22 @@ from numpy.typing import NDArray
 from safetensors.numpy import load_file, save_file
 
 from services.learner.pretrain.commander import TaskCommander
-from services.learner.pretrain.exam import Hand
 from services.learner.pretrain.practice import DECISION_STEPS, EPISODE_STEPS, Noise
+from shared.evaluation.hand import Hand
 from shared.policies import examples
 from shared.policies.checkpoint import Tensors
 from shared.policies.examples import Examples, as_bytes, as_texts
 from shared.policies.low_level import LowLevel
 from shared.workcell import expert, skills
 from shared.workcell.env import WorkcellEnv
-from shared.workcell.objects import COUNT
+from shared.workcell.objects import KINDS
 from shared.workcell.site import Site
 from shared.workcell.state import CellState, in_bin, near_plate
 
 HISTORY = 4
+TASKS = ("sandwich", "pack")
+"""What the high level is taught: it sees the food; its network knows no dishes yet."""
+SEEN = len(KINDS["food"])
 ON_TABLE, IN_HAND, ON_PLATE, IN_BIN = range(4)
 
 
@@ -101,7 +104,7 @@ class _Record:
         self.previous.append(tuple(previous[-HISTORY:]))
         self.labels.append(label)
         self.status.append(_status(env.state))
-        self.positions.append(env.state.positions[:COUNT])
+        self.positions.append(env.state.positions[:SEEN])
 
     def done(self) -> Demonstrations:
         weights = np.ones(len(self.labels), np.float32)
@@ -125,7 +128,7 @@ def demonstrate(lesson: Lesson) -> Demonstrations:
 def _episode(
     env: WorkcellEnv, seed: int, lesson: Lesson, low_level: LowLevel | None, record: _Record
 ) -> None:
-    env.reset(seed=seed)
+    env.reset(seed=seed, options={"task": TASKS[seed % len(TASKS)]})
     rng = np.random.default_rng([seed, 1])
     commander = TaskCommander(env.brief, env.task, rng, lesson.mistakes)
     hand, noise, said = Hand(low_level) if low_level else None, Noise(rng), [""][:0]
@@ -155,7 +158,7 @@ def _status(state: CellState) -> list[int]:
         else IN_BIN
         if item in packed
         else ON_TABLE
-        for item in range(COUNT)
+        for item in range(SEEN)
     ]
 
 

@@ -34,6 +34,7 @@ THRESHOLD = 0.5
 AVERAGE = 0.999
 PORTION = 4096
 
+
 @dataclass(frozen=True)
 class LowFitSettings:
     """steps: updates. rows: rows (a moment and an arm) of a batch. lr: the highest, then cosine."""
