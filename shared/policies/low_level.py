@@ -15,9 +15,10 @@ from shared.goals.family import Floats, GoalFamily, open_family
 from shared.messages.goal import Goal
 from shared.policies import checkpoint, reader
 from shared.policies.checkpoint import Tensors, sha256_tensors
-from shared.policies.geometry import MEASURES, OPEN_GAP_M, Geometry
+from shared.policies.geometry import MEASURES, Geometry
 from shared.policies.low_net import CHUNK, CLOSED_M, OPEN_M, LowNet, Orders, targets
 from shared.policies.reader import Reader, Reading
+from shared.policies.tokens import OPEN_GAP_M
 
 
 class LowLevel:

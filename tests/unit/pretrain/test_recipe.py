@@ -21,7 +21,7 @@ from shared.policies import checkpoint, examples
 from shared.policies.geometry import Geometry
 from shared.policies.high_level import HighLevel
 from shared.policies.low_level import LowLevel
-from shared.policies.low_net import LowNet
+from shared.policies.low_net import VERBS, LowNet
 from shared.workcell.skills import COMMANDS
 
 TINY = Scale(
@@ -95,11 +95,11 @@ def test_joined_practice_keeps_its_runs_apart(steps: Steps, tmp_path: Path) -> N
 
 def test_an_answer_ends_with_its_run(steps: Steps) -> None:
     rows = Rows(steps, Geometry(measures()), seed=0)
-    _, commands, answers, weights = rows.draw(np.random.default_rng(0), 64)
-    assert answers.shape == (64, 10, 7)
-    assert commands.max() < len(COMMANDS)
-    assert (weights[:, 0] == 1).all()
-    assert (weights.diff(dim=1) <= 0).all()
+    lot = rows.draw(np.random.default_rng(0), 64)
+    assert lot.answers.shape == (64, 10, 7)
+    assert lot.orders.verbs.max() < len(VERBS)
+    assert (lot.weights[:, 0] == 1).all()
+    assert (lot.weights.diff(dim=1) <= 0).all()
 
 
 def test_fitting_makes_the_low_level_more_like_the_expert(steps: Steps) -> None:
