@@ -62,8 +62,9 @@ SCALES = {
     ),
     "full": Scale(
         low=(
-            LowRound(practice=240_000, updates=6_000, lr=2e-3),
-            LowRound(practice=160_000, updates=9_000),
+            LowRound(practice=240_000, updates=4_000, lr=2e-3),
+            LowRound(practice=200_000, updates=5_000, lr=2e-3),
+            LowRound(practice=200_000, updates=6_000, lr=1.8e-3),
         ),
         expert_episodes=400,
         learned_episodes=800,
