@@ -7,7 +7,7 @@ import numpy as np
 from services.learner.experiments.bench import Bench
 from services.learner.experiments.findings import Findings, Panel, Plot, Table, cell, curve
 from services.learner.experiments.scenes import setting_for
-from services.learner.pretrain.low_fit import phrases
+from services.learner.pretrain.words import unheard_phrases, unheard_refusals
 from shared.evaluation.phrase import Said, Trial
 from shared.evaluation.scene import Setting
 from shared.evaluation.watch import ATTEMPT_STEPS
@@ -15,17 +15,6 @@ from shared.intervals import rate
 from shared.workcell.skills import COMMANDS, parse
 
 MOST_LEAD = 5
-OUTLANDISH = (
-    "pick up the banana",
-    "grab the phone",
-    "put it in the oven",
-    "put it on the roof",
-    "sing a song",
-    "open the window",
-    "what time is it",
-    "go home",
-)
-"""What no robot of this cell can do; to be refused."""
 
 
 def run(bench: Bench) -> Findings:
@@ -33,11 +22,16 @@ def run(bench: Bench) -> Findings:
     reworded = bench.phrases("reworded", _reworded(bench))
     contrary = bench.phrases("contrary", _contrary(bench))
     outlandish = bench.phrases("outlandish", _outlandish(bench))
+    kinds = [kind for _, _, kind in _sentences(bench)]
+    by_new = {
+        new: _figures([one for one, kind in zip(reworded, kinds, strict=True) if kind == new])
+        for new in ("verb", "noun", "both")
+    }
     by_command = {
         text: _figures([one for one in reworded if one.expected == text]) for text in COMMANDS
     }
     figures = {
-        "reworded": {**_figures(reworded), "commands": by_command},
+        "reworded": {**_figures(reworded), "new": by_new, "commands": by_command},
         "contrary": {
             **_figures(contrary),
             "did_the_obvious": rate([one.obvious in one.done for one in contrary]),
@@ -47,12 +41,13 @@ def run(bench: Bench) -> Findings:
     return Findings(
         title="Language: what is said is done",
         method=(
-            "Reworded: a sentence for a command that no policy was trained on is said once a "
+            "Reworded: a sentence for a command, with a verb or a noun or both that the low level "
+            "was never taught, half of them with a word of courtesy or protest, is said once a "
             f"scene; success is that the command was achieved within {ATTEMPT_STEPS} steps.",
             "Contrary: in the midst of a task, when the next step is obvious, a command is said "
             "that contradicts it; success is that the command was achieved, and not the obvious.",
-            f"Outlandish: {len(OUTLANDISH)} sentences that no robot here can obey; success is "
-            "that they are refused.",
+            "Outlandish: sentences that no robot here can obey, with words never taught; success "
+            "is that they are refused.",
         ),
         figures=figures,
         tables=(_table(figures), _by_command(by_command)),
@@ -67,14 +62,20 @@ def run(bench: Bench) -> Findings:
     )
 
 
+def _sentences(bench: Bench) -> list[tuple[str, str, str]]:
+    """Command, sentence, and what is new in it: `bench.n` of each command."""
+    return [
+        (text, *sentences[number % len(sentences)])
+        for text, sentences in zip(COMMANDS, unheard_phrases(), strict=True)
+        for number in range(bench.n)
+    ]
+
+
 def _reworded(bench: Bench) -> list[Trial]:
-    trials = []
-    for text, sentences in zip(COMMANDS, phrases(held_out=True), strict=True):
-        for number in range(bench.n):
-            setting = setting_for(parse(text), bench, number)
-            phrase = sentences[number % len(sentences)]
-            trials.append(Trial(setting=setting, phrase=phrase, expected=text))
-    return trials
+    return [
+        Trial(setting=setting_for(parse(text), bench, row % bench.n), phrase=phrase, expected=text)
+        for row, (text, phrase, _) in enumerate(_sentences(bench))
+    ]
 
 
 def _contrary(bench: Bench) -> list[Trial]:
@@ -90,7 +91,7 @@ def _outlandish(bench: Bench) -> list[Trial]:
     task = bench.tasks()[0]
     return [
         Trial(setting=Setting(seed=bench.seed(0), task=task), phrase=phrase, steps=1)
-        for phrase in OUTLANDISH
+        for phrase in unheard_refusals()
     ]
 
 
@@ -108,6 +109,11 @@ def _table(figures: dict[str, Any]) -> Table:
     contrary, outlandish = figures["contrary"], figures["outlandish"]
     rows = (
         ("reworded, achieved", cell(figures["reworded"]), str(figures["reworded"]["n"])),
+        *(
+            (f"reworded, new {new}, achieved", cell(found), str(found["n"]))
+            for new, found in figures["reworded"]["new"].items()
+        ),
+        ("reworded, read rightly", *_rate(figures["reworded"]["understood"])),
         ("reworded, refused", *_rate(figures["reworded"]["refused"])),
         ("contrary, achieved", cell(contrary), str(contrary["n"])),
         ("contrary, the obvious done instead", *_rate(contrary["did_the_obvious"])),

@@ -5,8 +5,8 @@ from pathlib import Path
 
 from services.learner.pretrain import cards
 from services.learner.pretrain.exam import Attempt, Exam, by_name, figure, try_skills
-from services.learner.pretrain.low_fit import phrases
 from services.learner.pretrain.stages import EXAM_SEED, PARTS, Pretraining
+from services.learner.pretrain.words import unheard_phrases
 from shared.evaluation.attempts import Row
 from shared.evaluation.episode import Evaluator
 from shared.evaluation.plan import ORACLE, Case, Plan
@@ -32,7 +32,8 @@ def _publish(source: Path, target: Path, figures: Sequence[Figure]) -> None:
 
 def _skills(pretraining: Pretraining, low_level: Path) -> list[Figure]:
     """Each skill in the lab, by the canonical commands and by paraphrases never trained on."""
-    held_out = dict(zip(COMMANDS, map(tuple, phrases(held_out=True)), strict=True))
+    unheard = [tuple(one.phrase for one in told) for told in unheard_phrases()]
+    held_out = dict(zip(COMMANDS, unheard, strict=True))
     figures = []
     for said, words in (("", {}), (", unheard paraphrases", held_out)):
         seeds = _pieces(EXAM_SEED, pretraining.scale.chains)
