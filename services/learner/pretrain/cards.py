@@ -34,7 +34,7 @@ def low_level(scale: Scale, seed: int, data_sha256: str) -> Card:
             "moment and an arm), AdamW with a cosine, averaged weights. It is told the verb and "
             "points at the thing; a second output tells whether the command is achieved.",
             "Phrases are read as the command whose known phrases are nearest as sentence vectors, "
-            "of those that are possible in the scene; a quarter of the words was kept aside to measure.",
+            "of those that are possible in the scene; a quarter of the words was kept to measure.",
         ),
         command=_command(scale, seed),
         seed=seed,
