@@ -6,7 +6,7 @@ import numpy as np
 
 from shared.workcell import skills
 from shared.workcell.objects import BODY_NAMES, KITCHEN, OBJECT_NAMES, TABLE, Stock
-from shared.workcell.skills import COMMANDS, SKILLS, Skill
+from shared.workcell.skills import SKILLS, Skill
 from shared.workcell.state import CellState
 from shared.workcell.tasks import TASKS
 from shared.workcell.tasks.task import Brief, Task
@@ -43,13 +43,15 @@ class TaskCommander:
             self._rest -= 1
             if self._rest < 0:
                 return None
-        said = self._mistake() or self.right
+        said = self._mistake(state) or self.right
         self.previous = said
         return said
 
-    def _mistake(self) -> str:
+    def _mistake(self, state: CellState) -> str:
+        """Something that could be done, but needn't be right; most often nothing."""
         if self._wrong_left == 0 and self._rng.random() < self._slips:
-            self._wrong = str(self._rng.choice(COMMANDS))
+            possible = [skill.text for skill in SKILLS if skills.possible(skill, state)]
+            self._wrong = str(self._rng.choice(possible))
             self._wrong_left = int(self._rng.integers(1, 4))
         if self._wrong_left == 0:
             return ""
