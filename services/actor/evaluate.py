@@ -112,9 +112,9 @@ class Evaluator:
     def _make_high_level(self) -> seams.HighLevel:
         if self._plan.high_level == ORACLE:
             return Oracle(self._robot)
-        if self._plan.high_level == BASE:
-            return HighLevel.load(bundled("high_level"))
-        return HighLevel.load(Path(self._plan.high_level))
+        base = self._plan.high_level == BASE
+        folder = bundled("high_level") if base else Path(self._plan.high_level)
+        return HighLevel.load(folder, self._plan.rollout.head)
 
     def roll_out(self, seed: int, task: str) -> Row:
         """One episode without corrections."""

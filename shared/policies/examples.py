@@ -1,7 +1,7 @@
 """What the high level learns from: decisions with the command that would have been right."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -29,8 +29,7 @@ class Examples:
     weights: [M] float32, how often each is drawn.
     senses: [M, 22] float32, proprioception as in `Observation`.
     looks: [M, L] int64, rows of `images`: the last is the present one, before it are the earlier
-        ones, oldest first, -1 where there was none. None: moment m is decision m's, and nobody
-        saw an earlier one.
+        ones, oldest first, -1 where there was none.
     """
 
     images: NDArray[np.uint8]
@@ -39,11 +38,9 @@ class Examples:
     labels: list[str]
     weights: NDArray[np.float32]
     senses: NDArray[np.float32]
-    looks: NDArray[np.int64] = field(default=None)  # type: ignore[assignment]
+    looks: NDArray[np.int64]
 
     def __post_init__(self) -> None:
-        if self.looks is None:
-            object.__setattr__(self, "looks", np.arange(len(self.images))[:, None])
         parts = (
             self.prompts,
             self.previous,

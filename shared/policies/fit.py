@@ -211,7 +211,7 @@ class Fitter:
             torch._foreach_lerp_(self._average, list[Tensor](self._own), 1 - keep)
 
     def state(self) -> dict[str, Tensor]:
-        """Everything that `restore` needs to go on as if nothing had been: weights, moments, means."""
+        """Weights, moments and means: what `restore` needs to go on as if nothing had been."""
         state = {f"average.{row}": part for row, part in enumerate(self._average)}
         for row, part in enumerate(self._trained):
             state[f"weight.{row}"] = part.detach()
@@ -227,7 +227,9 @@ class Fitter:
                 part.copy_(state[f"average.{row}"])
             for row, part in enumerate(self._trained):
                 part.copy_(state[f"weight.{row}"])
-                found = {name: state[f"{name}.{row}"] for name in moments if f"{name}.{row}" in state}
+                found = {
+                    name: state[f"{name}.{row}"] for name in moments if f"{name}.{row}" in state
+                }
                 if found:
                     self._optimizer.state[part] = found
 

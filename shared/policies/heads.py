@@ -78,8 +78,10 @@ class TextHead(nn.Module):
         first = torch.zeros(len(rows), 1, EMBEDDED)
         hidden, _ = self.cell(torch.cat([first, heard], 1), self._start(thoughts))
         logits = self.leave(hidden) @ table.T
-        each = F.cross_entropy(logits.flatten(0, 1), rows.flatten(), ignore_index=-1, reduction="none")
-        return each.unflatten(0, rows.shape).sum(1)
+        each = F.cross_entropy(
+            logits.flatten(0, 1), rows.flatten(), ignore_index=-1, reduction="none"
+        )
+        return each.reshape(rows.shape).sum(1)
 
     def phrases(self, thought: Tensor) -> list[tuple[str, float]]:
         """The most probable phrases and their probabilities, best first; at least one.

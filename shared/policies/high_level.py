@@ -108,9 +108,7 @@ class HighLevel:
         phrases = self.net.text.phrases(answer.thought)
         return tuple(Proposal(goal=LanguageGoal(text=text), score=share) for text, share in phrases)
 
-    def _question(
-        self, observation: Observation, past: Sequence[NDArray[np.uint8]]
-    ) -> Question:
+    def _question(self, observation: Observation, past: Sequence[NDArray[np.uint8]]) -> Question:
         images = np.ascontiguousarray(observation.arrays["images"])
         looks = [*past, images][-self.net.looks :]
         missing = self.net.looks - len(looks)

@@ -29,7 +29,8 @@ class Question(NamedTuple):
 
     images: [B, V, 64, 64, 3] uint8 or float 0..255, the present look.
     glimpses: [B, K + 1, V, 32, 32, 3] likewise, earlier looks, oldest first, and the present one.
-    seen: [B, K + 1] bool, which of them there are. senses: [B, 22] float32, proprioception. words: of the prompts.
+    seen: [B, K + 1] bool, which of them there are. senses: [B, 22] float32, proprioception.
+    words: of the prompts.
     previous: [B, H, D], oldest first, zeros where there was none.
     """
 
@@ -104,7 +105,7 @@ class HighLevelNet(nn.Module):
         return self.decide(self.see(question.images), self.wish(question.words), question)
 
     def decide(self, slots: Tensor, wishes: Tensor, question: Question) -> Answer:
-        """From slots and wishes to the meaning; of the question it takes all but present and prompt."""
+        """From slots and wishes to the answer; of the question it takes the rest."""
         context = self._context(question)
         names = self.name.expand(len(slots), -1, -1)
         everywhere = context.unsqueeze(1).expand(-1, SLOTS, -1)

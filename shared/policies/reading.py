@@ -100,9 +100,7 @@ def relit(
     return relit
 
 
-def forgetful(
-    previous: Tensor, whole: float, each: float, rng: np.random.Generator
-) -> Tensor:
+def forgetful(previous: Tensor, whole: float, each: float, rng: np.random.Generator) -> Tensor:
     """Histories [B, H, 384], some wiped out, and single commands of others, so that none is merely
     repeated."""
     count, history = previous.shape[:2]
@@ -114,8 +112,8 @@ def forgetful(
 def blinking(
     seen: NDArray[np.bool_], whole: float, each: float, rng: np.random.Generator
 ) -> NDArray[np.bool_]:
-    """Which looks [B, K + 1] are shown, always the last: of the earlier ones all are hidden for some
-    samples, single ones for others."""
+    """Which looks [B, K + 1] are shown: always the last; of some samples no earlier one, and single
+    ones of others are hidden."""
     count, looks = seen.shape
     kept: NDArray[np.bool_] = seen & (rng.random((count, 1)) >= whole)
     kept &= rng.random((count, looks)) >= each

@@ -31,8 +31,8 @@ from shared.policies.wishes import Words
 class Batch(NamedTuple):
     """B decisions as they were seen, and the rows of the bank that answer them.
 
-    images: [B, V, 64, 64, 3] uint8. glimpses: [B, K + 1, V, 32, 32, 3] uint8. seen: [B, K + 1] bool.
-    senses: [B, 22]. words, previous: as in `Question`. labels: [B] int64.
+    images: [B, V, 64, 64, 3] uint8. glimpses: [B, K + 1, V, 32, 32, 3] uint8. seen, senses, words,
+    previous: as in `Question`. labels: [B] int64.
     """
 
     images: Pictures
@@ -57,7 +57,9 @@ class Batch(NamedTuple):
         count, views = self.images.shape[:2]
         looks = self.glimpses.shape[1]
         offsets = rng.integers(-by.shift_px, by.shift_px + 1, (count, views, 2))
-        images = shifted(self.images.reshape(-1, *self.images.shape[2:]), offsets.reshape(-1, 2), by.shift_px)
+        images = shifted(
+            self.images.reshape(-1, *self.images.shape[2:]), offsets.reshape(-1, 2), by.shift_px
+        )
         half = np.repeat(offsets[:, None] // 2, looks, 1).reshape(-1, 2)
         glimpses = shifted(
             self.glimpses.reshape(-1, *self.glimpses.shape[3:]), half, (by.shift_px + 1) // 2

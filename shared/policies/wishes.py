@@ -40,9 +40,13 @@ class Attention(nn.Module):
         self.norm, self.norm_mlp = nn.LayerNorm(width), nn.LayerNorm(width)
         self.ask, self.tell = nn.Linear(width, width), nn.Linear(width, 2 * width)
         self.take = nn.Linear(width, width)
-        self.mlp = nn.Sequential(nn.Linear(width, 2 * width), nn.GELU(), nn.Linear(2 * width, width))
+        self.mlp = nn.Sequential(
+            nn.Linear(width, 2 * width), nn.GELU(), nn.Linear(2 * width, width)
+        )
 
-    def forward(self, x: Tensor, other: Tensor | None = None, there: Tensor | None = None) -> Tensor:
+    def forward(
+        self, x: Tensor, other: Tensor | None = None, there: Tensor | None = None
+    ) -> Tensor:
         """x [B, O, W] after it asked `other` [B, T, W], None: itself; there [B, T] bool."""
         asking = self.norm(x)
         query = self._split(self.ask(asking))
@@ -57,7 +61,7 @@ class Attention(nn.Module):
         return thought
 
     def _split(self, x: Tensor) -> Tensor:
-        return x.unflatten(-1, (self.heads, -1)).transpose(1, 2)
+        return x.reshape(*x.shape[:2], self.heads, -1).transpose(1, 2)
 
 
 class Wishes(nn.Module):

@@ -54,10 +54,13 @@ def high_level(scale: Scale, seed: int, data_sha256: str, policy: HighLevel) -> 
         date=DATE,
         recipe=(
             *_demonstrated(scale),
-            f"A network of two small CNNs and a head over seven slots was trained from scratch, "
-            f"{scale.high_updates:,} updates of {scale.high_batch} decisions, to put the meaning "
-            "of the right command nearest to it among the eleven; 20 % of histories were wiped.",
-            "A second loss, on where each object is, shaped the slots; its weights are not kept.",
+            "A network that sees eighteen slots, reads the prompt word by word, feels its arms and "
+            f"looks back three times was trained from scratch, {scale.high_updates:,} updates of "
+            f"{scale.high_batch} decisions; its bank head puts the meaning of the right command "
+            "nearest among the twenty, its text head says it word by word. 30 % of histories and "
+            "20 % of earlier looks were hidden, single ones of the others too.",
+            f"Two more losses shaped it, on where each body is and on what {scale.prompts:,} drawn "
+            "prompts mean for each thing; their weights are not kept.",
         ),
         command=_command(scale, seed),
         seed=seed,
@@ -66,6 +69,7 @@ def high_level(scale: Scale, seed: int, data_sha256: str, policy: HighLevel) -> 
         limits=(
             "Trained in the lab alone: at another site it is far worse, until it is corrected.",
             "Prompts that read unlike the tasks' own were never seen.",
+            "What lay on which side at the start it can only tell from what it sees now.",
         ),
         settings={**policy.settings(), "bank": "\n".join(COMMANDS)},
     )
@@ -80,8 +84,8 @@ def demonstrations(scale: Scale, seed: int, data_sha256: str) -> Card:
         date=DATE,
         recipe=(
             *_demonstrated(scale),
-            f"{scale.replay:,} decisions were drawn, rare commands more often, and their pictures "
-            "packed as sheets of JPEG.",
+            f"Whole episodes with at most {scale.replay:,} decisions were drawn, those with rare "
+            "commands more often, and their pictures packed as sheets of JPEG.",
         ),
         command=_command(scale, seed),
         seed=seed,
@@ -92,8 +96,9 @@ def demonstrations(scale: Scale, seed: int, data_sha256: str) -> Card:
 
 def _demonstrated(scale: Scale) -> tuple[str, ...]:
     return (
-        f"{scale.expert_episodes} episodes of both tasks in the lab by the expert's hand and "
-        f"{scale.learned_episodes} by the low level's, a decision every 20 steps, each labelled "
+        f"{scale.expert_episodes:,} episodes of all tasks in the lab by the expert's hand and "
+        f"{scale.learned_episodes:,} by the low level's, 40 % of unusual length, 40 % of "
+        "prompts with constraints, in all manners; a decision every 20 steps, each labelled "
         f"with the oracle's command; {scale.expert_mistakes:.0%} and {scale.learned_mistakes:.0%} "
         "of decisions began a wrong stretch, hands slipped in 0.2 % of steps, the expert's arms "
         "shook.",

@@ -71,8 +71,9 @@ class Demonstrations:
 
     def save(self, file: Path) -> None:
         """Write as safetensors."""
-        truth = {"status": self.status, "positions": self.positions, "episodes": self.episodes}
-        save_file({**examples.as_tensors(self.examples), **truth}, file)
+        tensors = examples.as_tensors(self.examples)
+        tensors |= {"status": self.status, "positions": self.positions, "episodes": self.episodes}
+        save_file(tensors, file)
 
     @classmethod
     def load(cls, file: Path) -> "Demonstrations":
@@ -149,9 +150,7 @@ def demonstrate(lesson: Lesson) -> Demonstrations:
 def draw(rng: np.random.Generator) -> Draw:
     """How the wish of an episode is drawn: of any length, in any manner, some with constraints."""
     usual = rng.random() < USUAL_LENGTH
-    return Draw(
-        None if usual else int(rng.choice(LENGTHS)), str(rng.choice(MANNERS)), CONSTRAINTS
-    )
+    return Draw(None if usual else int(rng.choice(LENGTHS)), str(rng.choice(MANNERS)), CONSTRAINTS)
 
 
 def _episode(

@@ -26,7 +26,8 @@ class Scale(Settings):
     expert_episodes, learned_episodes: demonstrations by the expert's hand and by the low level's;
     expert_mistakes, learned_mistakes: chance that a decision in them begins a wrong stretch.
     validation_episodes: more of the latter, never trained on. high_updates, high_batch: of the
-    high level's fit. replay: decisions that are kept for the learner's rounds.
+    high level's fit. prompts: how many are drawn for it without pictures. replay: decisions that
+    are kept for the learner's rounds, at most.
     chains, tasks, trials: episodes that the skills, the oracle's tasks and the high level are
     examined in.
     """
@@ -40,6 +41,7 @@ class Scale(Settings):
     high_updates: Count
     high_batch: Count
     high_lr: float
+    prompts: Count
     replay: Count
     chains: Count
     tasks: Count
@@ -55,6 +57,7 @@ SCALES = {
         high_updates=60,
         high_batch=48,
         high_lr=1e-3,
+        prompts=200,
         replay=64,
         chains=2,
         tasks=2,
@@ -65,12 +68,13 @@ SCALES = {
             LowRound(practice=240_000, updates=6_000, lr=2e-3),
             LowRound(practice=160_000, updates=9_000),
         ),
-        expert_episodes=400,
-        learned_episodes=800,
+        expert_episodes=1_200,
+        learned_episodes=1_000,
         validation_episodes=40,
-        high_updates=6_000,
+        high_updates=12_000,
         high_batch=96,
         high_lr=1e-3,
+        prompts=6_000,
         replay=1_500,
         chains=60,
         tasks=120,

@@ -23,7 +23,6 @@ from services.learner.pretrain.practice import Steps, practise
 from services.learner.pretrain.replay import choose
 from services.learner.pretrain.scale import Scale
 from shared.goals.language.bank import PhraseBank
-from shared.goals.language.encoder import shared_encoder
 from shared.policies import checkpoint, examples
 from shared.policies.fit import FitSettings
 from shared.policies.geometry import Geometry
@@ -136,13 +135,14 @@ class Pretraining:
             tell = self.reporter.stage("high level", settings.steps)
             torch.manual_seed(self.seed)
             net, bank = HighLevelNet(), PhraseBank.of(COMMANDS)
-            prompts = shared_encoder().embed(sorted(set(lessons.examples.prompts)))
-            net.learn_prompts(torch.tensor(prompts))
-            fit_high(net, bank, lessons, settings, _told(tell))
+            net.learn_senses(torch.from_numpy(lessons.examples.senses))
+            kept = self.out / "high-under-way.safetensors"
+            fit_high(net, bank, lessons, settings, _told(tell), scale.prompts, kept)
             tell(settings.steps)
             policy = HighLevel(net, bank, BASE_VERSION)
             card = cards.high_level(scale, self.seed, self.data_sha256(), policy)
             _write(folder, lambda path: checkpoint.save(path, policy.tensors(), card))
+            kept.unlink(missing_ok=True)
         return folder
 
     def replay(self, lessons: Demonstrations) -> Path:

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
-from services.learner.pretrain.demonstrate import HISTORY
+from services.learner.pretrain.demonstrate import HISTORY, LOOKS
 from services.learner.pretrain.exam import Attempt, Hand
-from services.learner.pretrain.practice import DECISION_STEPS, EPISODE_STEPS
+from services.learner.pretrain.practice import DECISION_STEPS
 from shared.messages.observation import Observation
 from shared.policies.examples import Examples
 from shared.policies.high_level import HighLevel
@@ -64,14 +65,28 @@ class _Book:
         self.seen: list[Observation] = []
         self.labels: list[str] = []
         self.wrong = 0
+        self._first = 0
+
+    def begin(self) -> None:
+        """What comes now has no past."""
+        self._first = len(self.seen)
+
+    def past(self) -> list[NDArray[np.uint8]]:
+        """The last earlier looks of this episode, oldest first."""
+        return [seen.arrays["images"] for seen in self.seen[self._first :]][-LOOKS + 1 :]
 
     def examples(self) -> Examples:
+        firsts = np.array([seen.step == 0 for seen in self.seen]).cumsum()
+        looks = np.arange(len(self.seen))[:, None] + np.arange(-LOOKS + 1, 1)
+        same = (looks >= 0) & (firsts[looks] == firsts[:, None])
         return Examples(
             np.stack([seen.arrays["images"] for seen in self.seen]),
             [seen.prompt for seen in self.seen],
             [seen.previous for seen in self.seen],
             self.labels,
             np.ones(len(self.labels), np.float32),
+            np.stack([seen.arrays["proprioception"] for seen in self.seen]),
+            np.where(same, looks, -1),
         )
 
 
@@ -79,15 +94,16 @@ def _episode(
     env: WorkcellEnv, seed: int, trial: Trial, high: HighLevel, low: LowLevel, book: _Book
 ) -> Attempt:
     env.reset(seed=seed)
+    book.begin()
     hand, said = Hand(low), [""][:0]
     rng = np.random.default_rng([seed, 2])
-    for step in range(EPISODE_STEPS):
-        if step % DECISION_STEPS == 0:
-            said.append(_decide(env, step, said, trial, high, book, rng))
+    terminated = truncated = False
+    while not (terminated or truncated):
+        if env.elapsed_steps % DECISION_STEPS == 0:
+            said.append(_decide(env, env.elapsed_steps, said, trial, high, book, rng))
             hand.obey(said[-1])
-        if env.step(hand.move(env))[2]:
-            return Attempt(env.brief.task, True, step + 1)
-    return Attempt(env.brief.task, False, EPISODE_STEPS)
+        _, _, terminated, truncated, _ = env.step(hand.move(env))
+    return Attempt(env.brief.task, terminated, env.elapsed_steps)
 
 
 def _decide(
@@ -109,7 +125,7 @@ def _decide(
             "objects": objects(env.state),
         },
     )
-    chosen = high.propose(seen)[0].goal.text
+    chosen = high.propose(seen, book.past())[0].goal.text
     last = said[-1] if said else None
     fine = env.task.acceptable_commands(env.state, env.brief, last)
     label = chosen if chosen in fine else env.task.next_command(env.state, env.brief, last)

@@ -21,7 +21,7 @@ WIDTH = 384
 MAX_PIECES = 64
 REMEMBERED = 4096
 TOKEN_LAYERS = (3, 6)
-"""Layers whose word pieces are given out: the words as such, and what the sentence makes of them."""
+"""Layers whose word pieces are given out: nearer to the words, and to what the sentence means."""
 TOKEN_WIDTH = len(TOKEN_LAYERS) * WIDTH
 
 
