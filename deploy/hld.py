@@ -22,6 +22,8 @@ _SERVICES = {
     "oracle": ("services.oracle", "A scripted person who corrects over HTTP."),
     "pretrain": ("services.learner.pretrain", "Demonstrations, and the first policies from them."),
     "evaluate": ("services.actor.judge", "Success on seeds that no correction came from."),
+    "experiment": ("services.learner.experiments", "What the hierarchy can do, and what it costs."),
+    "say": ("services.actor.say", "One phrase to the low level in one scene."),
 }
 _PASS = {"allow_extra_args": True, "ignore_unknown_options": True, "help_option_names": []}
 

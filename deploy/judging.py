@@ -66,8 +66,8 @@ class Judging:
         report, log = self._folder / f"{name}.json", self._folder / f"{name}.log"
         command = [
             *(sys.executable, "-m", "services.actor.judge", "--high-level", high_level),
-            *("--site", self._site, "--tasks", ",".join(self._tasks)),
-            *("--episodes", str(self.episodes), "--report", str(report)),
+            *("--site", self._site, "--task", ",".join(self._tasks)),
+            *("--seeds", f"0:{self.episodes}", "--report", str(report)),
             *("--processes", str(self.processes)),
             *self._extra,
         ]

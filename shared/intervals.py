@@ -1,8 +1,26 @@
-"""How sure a success rate is: the interval that goes with every figure that is reported."""
+"""How sure a figure is: the interval that goes with each one that is reported, and paired tests.
+
+Rates have Wilson's interval. What is compared on the same seeds is compared pair by pair, and over
+several training seeds with both kinds of chance in it: which seed was trained, which scene came.
+"""
 
 import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 Z_95 = 1.959963984540054
+DRAWS = 10_000
+
+
+class Difference(NamedTuple):
+    """How much more the first is than the second, with a 95 % interval."""
+
+    value: float
+    low: float
+    high: float
 
 
 def wilson(successes: int, n: int) -> tuple[float, float]:
@@ -16,3 +34,78 @@ def wilson(successes: int, n: int) -> tuple[float, float]:
     centre = (rate + Z_95**2 / (2 * n)) / (1 + Z_95**2 / n)
     half = Z_95 / (1 + Z_95**2 / n) * math.sqrt(rate * (1 - rate) / n + Z_95**2 / (4 * n**2))
     return (max(0.0, centre - half), min(1.0, centre + half))
+
+
+def rate(outcomes: Sequence[bool]) -> dict[str, Any]:
+    """`success`, `n` and `interval` of outcomes, rounded, as reports carry them."""
+    successes, n = sum(outcomes), len(outcomes)
+    low, high = wilson(successes, n)
+    return {
+        "success": round(successes / max(1, n), 4),
+        "n": n,
+        "interval": [round(low, 4), round(high, 4)],
+    }
+
+
+def mcnemar(first: Sequence[bool], second: Sequence[bool]) -> float:
+    """The exact two-sided p-value of paired outcomes; 1 where no pair differs.
+
+    Source: McNemar 1947; exact by the binomial of the pairs that differ.
+    Raises:
+        ValueError: the two are not of one length.
+    """
+    only_first = sum(one and not other for one, other in zip(first, second, strict=True))
+    only_second = sum(other and not one for one, other in zip(first, second, strict=True))
+    n = only_first + only_second
+    tail = sum(math.comb(n, k) for k in range(min(only_first, only_second) + 1))
+    return float(min(1.0, 2 * tail / 2**n))
+
+
+def paired_difference(
+    first: Sequence[float], second: Sequence[float], seed: int = 0, draws: int = DRAWS
+) -> Difference:
+    """The mean of first less second over pairs, by the bootstrap over pairs (percentiles).
+
+    Source: Efron, Tibshirani 1993. Equal seeds give equal intervals.
+    Raises:
+        ValueError: the two are not of one length, or empty.
+    """
+    return seeds_difference([first], [second], seed, draws)
+
+
+def seeds_difference(
+    first: Sequence[Sequence[float]],
+    second: Sequence[Sequence[float]],
+    seed: int = 0,
+    draws: int = DRAWS,
+) -> Difference:
+    """The same over training seeds × evaluation seeds: [S][N] outcomes each, paired in both.
+
+    The bootstrap draws training seeds, and evaluation scenes once for all of them, since what is
+    hard in a scene is hard for each.
+    Source: hierarchical bootstrap, as in Saravanan et al. 2020 (arXiv 2007.07797).
+    Raises:
+        ValueError: the two are not of one shape, or empty.
+    """
+    gaps = _gaps(first, second)  # [S, N]
+    chance = np.random.default_rng(seed)
+    trainings, scenes = gaps.shape
+    means = np.empty(draws)
+    for draw in range(draws):
+        rows = chance.integers(trainings, size=trainings)
+        columns = chance.integers(scenes, size=scenes)
+        means[draw] = gaps[np.ix_(rows, columns)].mean()
+    low, high = np.percentile(means, [2.5, 97.5])
+    return Difference(float(gaps.mean()), float(low), float(high))
+
+
+def _gaps(
+    first: Sequence[Sequence[float]], second: Sequence[Sequence[float]]
+) -> NDArray[np.float64]:
+    try:
+        one, other = np.array(first, np.float64), np.array(second, np.float64)
+    except ValueError:
+        raise ValueError("every training seed needs the same evaluation seeds") from None
+    if one.shape != other.shape or one.ndim != 2 or not one.size:
+        raise ValueError(f"outcomes come in pairs [S][N], not {one.shape} and {other.shape}")
+    return one - other

@@ -19,6 +19,11 @@ def die_with_supervisor() -> None:
         threading.Thread(target=mind, daemon=True).start()
 
 
+def interrupt_at_sigterm() -> None:
+    """SIGTERM ends this process as Ctrl-C does, so that it puts its children away."""
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+
+
 class Stop:
     """Set once, when the process shall end; loops look at it, waits wake up by it."""
 

@@ -2,6 +2,8 @@
 
 import json
 import os
+import shlex
+import sys
 from pathlib import Path
 from typing import Annotated, Any, Optional
 
@@ -13,82 +15,96 @@ from rich.table import Table
 from shared.config import exit_misconfigured, load_or_exit
 from shared.errors import HldError
 from shared.rollout.settings import RolloutSettings
-from shared.seeds import EVALUATION
-from shared.service import die_with_supervisor
+from shared.service import die_with_supervisor, interrupt_at_sigterm
+
+INTERRUPTED = 130
 
 
 def main(
-    high_level: Annotated[str, typer.Option(help="base, oracle, or a checkpoint folder")] = "base",
-    tasks: Annotated[str, typer.Option(help="taken in turn")] = "sandwich,pack",
+    high_level: Annotated[
+        str, typer.Option(help="base, oracle, a version such as 1.2, or a checkpoint folder")
+    ] = "base",
+    task: Annotated[
+        Optional[list[str]],
+        typer.Option("--task", help="one or, with commas or repeated, several in turn; all"),
+    ] = None,
+    seeds: Annotated[str, typer.Option(help="A:B, from the first evaluation seed")] = "0:60",
     site: Annotated[str, typer.Option(help="settings file of the cell")] = "workshop",
-    episodes: Annotated[int, typer.Option(min=1, max=100_000)] = 60,
-    first_seed: Annotated[
-        int, typer.Option(help="evaluation seeds begin there")
-    ] = EVALUATION.start,
+    skills: Annotated[
+        Optional[int], typer.Option(min=1, help="how many the prompts take; as the task likes")
+    ] = None,
     low_level: Annotated[str, typer.Option(help="checkpoint folder; the bundled one")] = "",
+    data: Annotated[Path, typer.Option(help="the run whose versions are meant")] = Path("runs/up"),
     report: Annotated[Optional[Path], typer.Option(help="write the figures here")] = None,
     processes: Annotated[int, typer.Option(min=0, help="0: one a core")] = 0,
     set_: Annotated[
         Optional[list[str]], typer.Option("--set", help="KEY=VALUE of the rollout")
     ] = None,
 ) -> None:
-    """Success with n and a 95 % interval, on seeds that no correction came from."""
-    from services.actor.evaluate import Plan, Row, check, evaluate, read_rows, summarize
+    """Success with n and 95 % intervals by task and by skill, and what went wrong first.
 
-    rollout = load_or_exit(RolloutSettings, "rollout", sets=set_ or ())
-    plan = Plan(
-        high_level,
-        tuple(tasks.split(",")),
-        site,
-        episodes,
-        rollout=rollout,
-        low_level=low_level,
-        first_seed=first_seed,
-    )
+    Without corrections, on seeds that no correction came from; each seed is one episode. Ctrl-C
+    stops; the same command with the same --report goes on.
+    """
+    from shared.evaluation.plan import Plan, find_high_level, parse_seeds
+
+    settings: dict[str, Any] = {"site": site, "low_level": low_level, "skills": skills}
+    if task:
+        settings["tasks"] = tuple(name for text in task for name in text.split(","))
+    settings["rollout"] = load_or_exit(RolloutSettings, "rollout", sets=set_ or ())
     try:
-        check(plan)
+        settings["high_level"] = find_high_level(high_level, data)
+        plan = Plan(**settings, seeds=parse_seeds(seeds))
+        plan.check()
     except HldError as error:
         exit_misconfigured("evaluate", error)
     die_with_supervisor()
-    kept = report.with_suffix(".rows.jsonl") if report else None
-    done = _same_plan(kept, plan._asdict()) and read_rows(kept) if kept else []
-    rows: list[Row] = []
-    found = evaluate(plan, processes or os.cpu_count() or 1, done or [])
-    for row in track(found, total=episodes, description=f"{high_level} at {site}"):
-        rows.append(row)
-        if kept and row not in (done or []):
-            with kept.open("a") as file:
-                file.write(json.dumps(row._asdict()) + "\n")
-    summary = {
-        "schema": 1,
-        "high_level": high_level,
-        "site": site,
-        **summarize(rows),
-    }
-    if report:
-        report.write_text(json.dumps(summary, indent=2) + "\n")
-    Console().print(_table(summary))
+    interrupt_at_sigterm()
+    try:
+        _evaluate(plan, high_level, report, processes)
+    except KeyboardInterrupt:
+        again = "; the same command goes on" if report else ""
+        print(f"evaluate: stopped{again}", file=sys.stderr)
+        raise typer.Exit(INTERRUPTED) from None
+    except HldError as error:
+        print(f"evaluate: {error}", file=sys.stderr)
+        raise typer.Exit(1) from None
 
 
-def _same_plan(kept: Path, plan: dict[str, Any]) -> bool:
-    """Rows of another plan are no use: what is there is cleared, and the plan noted beside."""
-    note = kept.with_suffix(".plan.json")
-    text = json.dumps({**plan, "rollout": plan["rollout"].model_dump(), "episodes": None})
-    if note.exists() and note.read_text() == text:
-        return True
-    kept.parent.mkdir(parents=True, exist_ok=True)
-    kept.unlink(missing_ok=True)
-    note.write_text(text)
-    return False
+def _evaluate(plan: Any, high_level: str, file: Path | None, processes: int) -> None:
+    from shared.evaluation.evaluate import evaluate
+    from shared.evaluation.pool import Pool
+    from shared.evaluation.summary import report
+
+    kept = file.with_suffix(".rows.jsonl") if file else None
+    cases = len(plan.cases())
+    with Pool(min(processes or os.cpu_count() or 1, cases)) as pool:
+        found = evaluate(plan, pool, kept)
+        rows = list(track(found, total=cases, description=f"{high_level} at {plan.site}"))
+    content = report(plan, rows, high_level, shlex.join(["hld", "evaluate", *sys.argv[1:]]))
+    if file:
+        file.write_text(json.dumps(content, indent=2, ensure_ascii=False) + "\n")
+    Console().print(_table(content))
 
 
-def _table(summary: dict[str, Any]) -> Table:
-    table = Table("task", "success", "n", "95 % interval")
-    rows = {**summary["tasks"], "all": summary}
-    for name, rate in rows.items():
-        low, high = rate["interval"]
-        table.add_row(name, f"{rate['success']:.2f}", str(rate["n"]), f"{low:.2f} to {high:.2f}")
+def _table(content: dict[str, Any]) -> Table:
+    table = Table("", "success", "n", "95 % interval", "steps", "decisions")
+    for name, figures in {**content["tasks"], "all": content}.items():
+        table.add_row(name, *_rate(figures), f"{figures['decisions']:.0f}")
+    table.add_section()
+    for name, figures in content["skills"].items():
+        table.add_row(name, *_rate(figures))
+    if content["failures"]:
+        table.add_section()
+        for name, count in content["failures"].items():
+            table.add_row(f"first: {name}", "", str(count))
     return table
+
+
+def _rate(figures: dict[str, Any]) -> tuple[str, ...]:
+    low, high = figures["interval"]
+    rate = (f"{figures['success']:.2f}", str(figures["n"]), f"{low:.2f} to {high:.2f}")
+    return (*rate, "" if figures["steps"] is None else f"{figures['steps']:.0f}")
 
 
 if __name__ == "__main__":

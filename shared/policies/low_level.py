@@ -15,9 +15,10 @@ from shared.goals.family import Floats, GoalFamily, open_family
 from shared.messages.goal import Goal
 from shared.policies import checkpoint, reader
 from shared.policies.checkpoint import Tensors, sha256_tensors
-from shared.policies.geometry import MEASURES, OPEN_GAP_M, Geometry
+from shared.policies.geometry import MEASURES, Geometry
 from shared.policies.low_net import CHUNK, CLOSED_M, OPEN_M, LowNet, Orders, targets
 from shared.policies.reader import Reader, Reading
+from shared.policies.tokens import OPEN_GAP_M
 
 
 class LowLevel:
@@ -85,15 +86,18 @@ class LowLevel:
         """Why it can't do the goal in this scene; "" if it understands the goal and can."""
         there = _present(objects)
         reading = self.reader.read(goal.text, there)
-        nearest = ", ".join(
-            repr(text) for text, _ in self.reader.nearest(reading.scores, there)
-        )
+        nearest = ", ".join(repr(text) for text, _ in self.nearest(goal, objects))
         if reading.command is None:
             return f"the low level doesn't understand {goal.text!r}; nearest it knows: {nearest}"
         if self._possible(reading.command, there):
             return ""
         command = self.reader.commands[reading.command]
         return f"{command!r} can't be done here, since that isn't in the scene; nearest: {nearest}"
+
+    def nearest(self, goal: Goal, objects: Floats) -> list[tuple[str, float]]:
+        """The commands that a goal is nearest to, of those possible in this scene, and scores."""
+        there = _present(objects)
+        return self.reader.nearest(self.reader.read(goal.text, there).scores, there)
 
     def read(self, goal: Goal, objects: Floats) -> Reading:
         """What it takes a goal for in this scene."""
@@ -113,9 +117,7 @@ class LowLevel:
         known = np.array([row or 0 for row in rows])
         verbs, things = self.reader.verbs[known], self.reader.things[known]
         held = things < self._net.geometry.sizes.shape[0]  # Fixtures are no objects.
-        return Orders(
-            torch.from_numpy(verbs), torch.from_numpy(np.where(held, things, -1))
-        )
+        return Orders(torch.from_numpy(verbs), torch.from_numpy(np.where(held, things, -1)))
 
     def _motion(
         self, proprioception: Floats, objects: Floats, orders: Orders

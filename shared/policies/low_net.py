@@ -9,18 +9,16 @@ import torch
 from torch import Tensor, nn
 
 from shared.policies.geometry import (
-    BODY_FEATURES,
     HOME,
     IN_BIN,
     IN_TUB,
-    OBJECTS,
     ON_PLATE,
     SPOT,
     THING,
-    TOKEN_FEATURES,
     Geometry,
     View,
 )
+from shared.policies.tokens import BODY_FEATURES, OBJECTS, TOKEN_FEATURES
 
 CHUNK = 10
 JOINTS = 6

@@ -37,8 +37,10 @@ class Reader:
 
     commands: their canonical texts. verbs: [C] rows of `low_net.VERBS`. things: [C] the row of the
     object that each is about, -1 for none. phrases: the canonical text of each command among them.
-    owners: [P] the command of each phrase. vectors: [P, D] float32, unit length.
-    threshold: least score of what is not refused.
+    owners: [P] the command of each phrase, -1 for what is to be refused.
+    vectors: [P, D] float32, unit length.
+    threshold: least score of what is not refused. doubt: how much nearer than any command a phrase
+    must be to what is to be refused, for that to count.
     """
 
     def __init__(
@@ -50,28 +52,32 @@ class Reader:
         owners: NDArray[np.int64],
         vectors: Floats,
         threshold: float,
+        doubt: float,
         family: GoalFamily,
     ) -> None:
         self.commands, self.verbs, self.things = tuple(commands), verbs, things
         self._phrases, self._owners, self._vectors = tuple(phrases), owners, vectors
-        self._threshold, self._family = threshold, family
+        self._threshold, self._doubt, self._family = threshold, doubt, family
         self._exact = {
-            _plain(text): int(owner) for text, owner in zip(phrases, owners, strict=True)
+            _plain(text): int(owner)
+            for text, owner in zip(phrases, owners, strict=True)
+            if owner >= 0
         }
-        self._seen: OrderedDict[str, Floats] = OrderedDict()
+        self._seen: OrderedDict[str, tuple[Floats, float]] = OrderedDict()
 
     def read(self, text: str, there: NDArray[np.bool_]) -> Reading:
         """The command that a phrase means among those that are possible.
 
         there: [18] bool, what is in the scene.
         """
-        scores = self._scores(text)
+        scores, strange = self._scores(text)
         known = self._exact.get(_plain(text))
         if known is not None:
             return Reading(known, scores)
         possible = np.where(self.possible(there), scores, -1.0)
         best = int(possible.argmax())
-        return Reading(best if possible[best] >= self._threshold else None, scores)
+        clear = possible[best] >= max(self._threshold, strange - self._doubt)
+        return Reading(best if clear else None, scores)
 
     def possible(self, there: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """[C] Which commands are about nothing that is missing."""
@@ -84,13 +90,13 @@ class Reader:
         order = np.argsort(-np.where(self.possible(there), scores, -2.0), kind="stable")
         return [(self.commands[row], float(scores[row])) for row in order[:NEAREST]]
 
-    def _scores(self, text: str) -> Floats:
+    def _scores(self, text: str) -> tuple[Floats, float]:
+        """Of each command its nearest phrase's cosine, and the nearest of those to be refused."""
         if text not in self._seen:
             vector = self._family.embed((Goal(text=text),))[0]
-            cosines = self._vectors @ vector
-            scores = np.full(len(self.commands), -1.0, np.float32)
-            np.maximum.at(scores, self._owners, cosines)
-            self._seen[text] = scores
+            best = np.full(len(self.commands) + 1, -1.0, np.float32)
+            np.maximum.at(best, self._owners, self._vectors @ vector)  # -1 is the last one.
+            self._seen[text] = best[:-1], float(best[-1])
             while len(self._seen) > REMEMBERED:
                 self._seen.popitem(last=False)
         return self._seen[text]
@@ -104,7 +110,7 @@ class Reader:
             "reader.phrases": as_bytes(list(self._phrases)),
             "reader.owners": self._owners,
             "reader.vectors": self._vectors.astype(np.float16),
-            "reader.threshold": np.array([self._threshold], np.float32),
+            "reader.limits": np.array([self._threshold, self._doubt], np.float32),
         }
 
 
@@ -115,6 +121,7 @@ def restore(tensors: Tensors, family: GoalFamily) -> Reader:
         PolicyError: they hold none.
     """
     try:
+        threshold, doubt = (float(limit) for limit in tensors["reader.limits"])
         return Reader(
             as_texts(tensors["reader.commands"]),
             tensors["reader.verbs"],
@@ -122,7 +129,8 @@ def restore(tensors: Tensors, family: GoalFamily) -> Reader:
             as_texts(tensors["reader.phrases"]),
             tensors["reader.owners"],
             tensors["reader.vectors"].astype(np.float32),
-            float(tensors["reader.threshold"][0]),
+            threshold,
+            doubt,
             family,
         )
     except KeyError as error:

@@ -40,7 +40,7 @@ for _bounds in (ACTION_LOW, ACTION_HIGH):
 
 
 class Cell:
-    """Two arms, and a table with the things of a stock, at one site; 14 joint targets a step at 50 Hz.
+    """Two arms and a table with the things of a stock; 14 joint targets a step at 50 Hz.
 
     Equal seeds and actions give equal states to the bit, in one process and across processes.
     """

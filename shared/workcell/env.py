@@ -33,9 +33,11 @@ class WorkcellEnv(gymnasium.Env[Observation, np.ndarray]):
     roll, wrist angle, wrist rotate, and the gap between its pads in m.
     Observation: `proprioception` [22], the 14 measured joints, then of each tool x y z [m] and
     yaw [rad]; `objects` [18, 9], of each thing its position and the first two columns of its
-    rotation, zeros where it isn't in the cell; with `cameras` also `top` and `angle`, [64, 64, 3] uint8.
+    rotation, zeros where it isn't in the cell; with `cameras` also `top` and `angle`,
+    [64, 64, 3] uint8.
     Ends when the task has been fulfilled for 10 steps on end with empty hands; is cut off after
-    `max_steps` (None: as many as the wish deserves). `skills` sets how many each wish takes. Everything random is drawn from the seed that `reset` gets.
+    `max_steps` (None: as many as the wish deserves). `skills` sets how many each wish takes.
+    Everything random is drawn from the seed that `reset` gets.
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": CONTROL_HZ}
@@ -91,7 +93,9 @@ class WorkcellEnv(gymnasium.Env[Observation, np.ndarray]):
             if self.brief.target:
                 break
         else:
-            raise UnknownPrompt(f"{brief.prompt!r}: nothing on the table fits, at any of its places")
+            raise UnknownPrompt(
+                f"{brief.prompt!r}: nothing on the table fits, at any of its places"
+            )
         self.elapsed_steps = self._fulfilled_steps = 0
         self._people = Passers(self.cell, np.random.default_rng(self.np_random.spawn(1)[0]))
         return self._observe(), self._info()

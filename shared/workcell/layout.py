@@ -4,13 +4,12 @@ World frame: origin at the middle of the table top, x to the right arm, y away f
 z up. The tray's rim keeps the objects where an arm can reach them.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from shared.workcell.objects import BIN as BIN_ROW
-from shared.workcell.objects import COUNT, KITCHEN, OBJECTS, Stock, rows
+from shared.workcell.objects import KITCHEN, OBJECTS, Stock, rows
 from shared.workcell.objects import TUB as TUB_ROW
 
 
@@ -71,9 +70,9 @@ def starts(rng: np.random.Generator, stock: Stock = KITCHEN) -> dict[int, tuple[
     Consumes `rng`.
     """
     drawn = rows(_whole_table(stock))
-    nearest = (lambda y: 0.17) if "tub" in stock else (lambda y: 0.12 if y < 0.01 else 0.17)
+    beside = 0.17 if "tub" in stock else 0.12
     while True:
-        spots = _scatter(rng, len(drawn), nearest)
+        spots = _scatter(rng, len(drawn), beside)
         if spots is not None:
             break
     yaws = rng.uniform(-np.pi / 4, np.pi / 4, len(drawn))
@@ -92,19 +91,17 @@ def _whole_table(stock: Stock) -> Stock:
     return frozenset(item.name for item in OBJECTS if item.kind in kinds)
 
 
-def _scatter(
-    rng: np.random.Generator, count: int, nearest: Callable[[float], float]
-) -> np.ndarray | None:
+def _scatter(rng: np.random.Generator, count: int, beside_m: float) -> np.ndarray | None:
     """Points, [count, 2], far enough apart; None where the draw ran into a corner.
 
-    nearest: how near to the middle a thing may lie, by its y.
+    beside_m: how near to the middle a thing may lie beside plate or tub; 0.17 beside the bin.
     """
     sides = rng.permutation(np.resize([-1.0, 1.0], count))
     spots: list[np.ndarray] = []
     for side in sides:
         for _ in range(60):
             y = rng.uniform(-0.20, 0.17)
-            spot = np.array([side * rng.uniform(nearest(y), 0.285), y])
+            spot = np.array([side * rng.uniform(beside_m if y < 0.01 else 0.17, 0.285), y])
             if all(np.hypot(*(spot - other)) >= SPACING_M for other in spots):
                 spots.append(spot)
                 break

@@ -11,9 +11,17 @@ import numpy as np
 from shared.workcell.cell import Cell
 from shared.workcell.env import WorkcellEnv
 from shared.workcell.expert import act
-from shared.workcell.objects import OBJECT_NAMES
+from shared.workcell.objects import KITCHEN, TABLE, Stock, rows
 from shared.workcell.site import site_names
-from shared.workcell.skills import PUT_DOWN, PUT_IN_BIN, PUT_ON_PLATE, achieved, parse, pick
+from shared.workcell.skills import (
+    PUT_DOWN,
+    PUT_IN_BIN,
+    PUT_IN_TUB,
+    PUT_ON_PLATE,
+    achieved,
+    parse,
+    pick,
+)
 from shared.workcell.tasks import TASKS
 
 Row = dict[str, Any]
@@ -22,11 +30,21 @@ ATTEMPT_STEPS = 120
 DECISION_STEPS = 20
 
 
-def chain(rng: np.random.Generator) -> list[str]:
-    """Eight commands: a stack of two, one thing binned, one put down."""
-    items = rng.permutation(len(OBJECT_NAMES))[:4]
-    puts = (PUT_ON_PLATE, PUT_ON_PLATE, PUT_IN_BIN, PUT_DOWN)
-    return [command for item, put in zip(items, puts, strict=True) for command in (pick(item), put)]
+PUTS = {
+    KITCHEN: ((PUT_ON_PLATE, PUT_IN_BIN, PUT_DOWN), (0.4, 0.4, 0.2)),
+    TABLE: ((PUT_IN_TUB, PUT_IN_BIN, PUT_DOWN), (0.4, 0.4, 0.2)),
+}
+"""What follows a pick on each table, and how often."""
+
+
+def chain(rng: np.random.Generator, stock: Stock) -> list[str]:
+    """All things of a table, one after another, each picked up and put somewhere."""
+    puts, shares = PUTS[stock]
+    return [
+        command
+        for item in rng.permutation(rows(stock))
+        for command in (pick(int(item)), puts[int(rng.choice(len(puts), p=shares))])
+    ]
 
 
 def attempt(cell: Cell, command: str, steps: int = ATTEMPT_STEPS) -> int | None:
@@ -44,9 +62,9 @@ def skill_rates(episodes: int, site: str = "lab") -> dict[str, Row]:
     """Rate of success and median steps for each verb, one attempt each."""
     cell, tried, took = Cell(site), Counter[str](), dict[str, list[int]]()
     for episode in range(episodes):
-        rng = np.random.default_rng(episode)
-        cell.reset(rng)
-        for command in chain(rng):
+        rng, stock = np.random.default_rng(episode), (KITCHEN, TABLE)[episode % 2]
+        cell.reset(rng, stock)
+        for command in chain(rng, stock):
             steps, verb = attempt(cell, command), parse(command).verb
             tried[verb] += 1
             took.setdefault(verb, []).extend([] if steps is None else [steps])

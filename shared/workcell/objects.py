@@ -1,4 +1,4 @@
-"""The things on the tables: names, sizes, masses, colours. Scene, expert and tasks agree on these."""
+"""The things on the tables: names, sizes, masses, colours. Scene, expert and tasks agree."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -36,9 +36,7 @@ class Object:
         return self.half_width_m, self.half_length_m, self.half_height_m
 
 
-def _food(
-    name: str, shape: Shape, width: float, height: float, mass: float, colour: str
-) -> Object:
+def _food(name: str, shape: Shape, width: float, height: float, mass: float, colour: str) -> Object:
     return Object(name, shape, width, height, mass, "food", colour, width)
 
 

@@ -47,6 +47,11 @@ class Station:
         brief, disturbed = self._env.brief.to_json(), self._env.disturbed
         return {**self._env.state.to_json(), "brief": brief, "disturbed": disturbed}
 
+    @property
+    def env(self) -> WorkcellEnv:
+        """The cell itself, for who judges what happens in it."""
+        return self._env
+
     def right_command(self, previous: str | None) -> str:
         """What the oracle would say now, from the true state."""
         return self._env.task.next_command(self._env.state, self._env.brief, previous)

@@ -28,6 +28,11 @@ MAY_IMPORT = {
     "shared.rollout": {"shared.policies", "shared.goals", "shared.messages", *SMALL},
     # The cell is one robot of the rollout, so it knows what a robot is; the rollout knows no cell.
     "shared.workcell": {"shared.rollout.robot", "shared.messages", *SMALL},
+    # Evaluations run real policies in the real cell; actor and learner both make them.
+    "shared.evaluation": {
+        "shared.rollout", "shared.policies", "shared.goals", "shared.messages", "shared.workcell",
+        *SMALL,
+    },
     "services.actor": {"shared"},
     "services.correction_api": {"shared.messages", "shared.wire", *SMALL, *SERVICE},
     "services.learner": {"shared"},
@@ -35,7 +40,7 @@ MAY_IMPORT = {
     "deploy": {"shared.wire", "shared.workcell", *SMALL, *SERVICE},
     "services": set(),
     "shared": set(),
-}
+}  # fmt: skip
 
 # Who alone may import a library.
 HOMES = {
@@ -47,7 +52,10 @@ HOMES = {
     "fastapi": {"services.correction_api"},
     "starlette": {"services.correction_api"},
     "uvicorn": {"services.correction_api"},
-    "torch": {"shared.goals", "shared.policies", "services.learner", "services.actor"},
+    "torch": {
+        "shared.goals", "shared.policies", "shared.evaluation", "services.learner",
+        "services.actor",
+    },
     "httpx": {"services.oracle", "deploy"},
     "pickle": set(),
     "cloudpickle": set(),

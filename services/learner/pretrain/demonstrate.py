@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from safetensors.numpy import load_file, save_file
 
 from services.learner.pretrain.commander import TaskCommander
-from services.learner.pretrain.exam import Hand
 from services.learner.pretrain.practice import DECISION_STEPS, Noise
+from shared.evaluation.hand import Hand
 from shared.policies import examples
 from shared.policies.examples import Examples
 from shared.policies.low_level import LowLevel

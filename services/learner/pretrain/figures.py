@@ -1,22 +1,20 @@
 """The last stage: both levels are examined, and their cards get the figures."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TypeVar
 
 from services.learner.pretrain import cards
-from services.learner.pretrain.exam import Attempt, Exam, by_name, figure, try_skills, try_tasks
-from services.learner.pretrain.low_fit import phrases
+from services.learner.pretrain.exam import Attempt, Exam, by_name, figure, try_skills
 from services.learner.pretrain.stages import EXAM_SEED, PARTS, Pretraining
-from services.learner.pretrain.trial import Trial, run
+from services.learner.pretrain.words import unheard_phrases
+from shared.evaluation.attempts import Row
+from shared.evaluation.episode import Evaluator
+from shared.evaluation.plan import ORACLE, Case, Plan
 from shared.policies import checkpoint
 from shared.policies.checkpoint import Figure
-from shared.seeds import EVALUATION
 from shared.workcell.skills import COMMANDS
 
 SITES = ("lab", "workshop")
-J = TypeVar("J")
-R = TypeVar("R")
 
 
 def examine(pretraining: Pretraining, low_level: Path, high_level: Path) -> None:
@@ -34,12 +32,14 @@ def _publish(source: Path, target: Path, figures: Sequence[Figure]) -> None:
 
 def _skills(pretraining: Pretraining, low_level: Path) -> list[Figure]:
     """Each skill in the lab, by the canonical commands and by paraphrases never trained on."""
-    held_out = dict(zip(COMMANDS, map(tuple, phrases(held_out=True)), strict=True))
+    unheard = [tuple(one.phrase for one in told) for told in unheard_phrases()]
+    held_out = dict(zip(COMMANDS, unheard, strict=True))
     figures = []
     for said, words in (("", {}), (", unheard paraphrases", held_out)):
         seeds = _pieces(EXAM_SEED, pretraining.scale.chains)
         exams = [Exam(low_level, "lab", piece, words) for piece in seeds]
-        attempts = _all(pretraining, f"skills{said}", try_skills, exams)
+        parts = pretraining.share(f"skills{said}", try_skills, [(exam,) for exam in exams])
+        attempts = [attempt for part in parts for attempt in part]
         figures += by_name(attempts, f"skill {{}}, lab{said}")
     return figures
 
@@ -48,10 +48,14 @@ def _tasks(pretraining: Pretraining, low_level: Path) -> list[Figure]:
     """Tasks with the oracle as the high level, at both sites."""
     figures = []
     for site in SITES:
-        seeds = _pieces(EVALUATION.start, pretraining.scale.tasks)
-        exams = [Exam(low_level, site, piece, {}) for piece in seeds]
-        attempts = _all(pretraining, f"oracle, {site}", try_tasks, exams)
-        figures += by_name(attempts, f"oracle, {{}}, {site}")
+        plan = Plan(
+            high_level=ORACLE,
+            low_level=str(low_level),
+            site=site,
+            seeds=(0, pretraining.scale.tasks),
+        )
+        rows = _rows(pretraining, f"oracle, {site}", plan)
+        figures += _by_task(rows, f"oracle, {{}}, {site}")
     return figures
 
 
@@ -59,26 +63,34 @@ def _trials(pretraining: Pretraining, low_level: Path, high_level: Path) -> list
     """The two levels together, at both sites."""
     figures = []
     for site in SITES:
-        seeds = _pieces(EVALUATION.start, pretraining.scale.trials)
-        trials = [Trial(high_level, low_level, site, piece) for piece in seeds]
-        done = _all(pretraining, f"base, {site}", _attempts, trials)
-        figures.append(figure(f"tasks, {site}", (attempt.success for attempt in done)))
-        figures += by_name(done, f"{{}}, {site}")
+        plan = Plan(
+            high_level=str(high_level),
+            low_level=str(low_level),
+            site=site,
+            seeds=(0, pretraining.scale.trials),
+        )
+        rows = _rows(pretraining, f"base, {site}", plan)
+        figures.append(figure(f"tasks, {site}", (row.success for row in rows)))
+        figures += _by_task(rows, f"{{}}, {site}")
     return figures
 
 
-def _attempts(trial: Trial) -> list[Attempt]:
-    return run(trial).attempts
+def _by_task(rows: Sequence[Row], title: str) -> list[Figure]:
+    return by_name([Attempt(row.task, row.success, row.steps) for row in rows], title)
 
 
-def _all(
-    pretraining: Pretraining,
-    name: str,
-    work: Callable[[J], list[Attempt]],
-    jobs: Sequence[J],
-) -> list[Attempt]:
-    parts = pretraining.share(name, work, [(job,) for job in jobs])
-    return [attempt for part in parts for attempt in part]
+def _rows(pretraining: Pretraining, name: str, plan: Plan) -> list[Row]:
+    cases = plan.cases()
+    jobs = [(plan, tuple(cases[part::PARTS])) for part in range(min(PARTS, len(cases)))]
+    return [row for rows in pretraining.share(name, roll_out, jobs) for row in rows]
+
+
+def roll_out(plan: Plan, cases: Sequence[Case]) -> list[Row]:
+    """Episode after episode in one process."""
+    evaluator = Evaluator(plan)
+    rows = [evaluator(case) for case in cases]
+    evaluator.close()
+    return rows
 
 
 def _pieces(first: int, count: int) -> list[tuple[int, ...]]:

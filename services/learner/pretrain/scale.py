@@ -21,7 +21,8 @@ class LowRound(Settings):
 
 
 class Scale(Settings):
-    """low: rounds of the low level; in the first the expert drives alone.
+    """low: rounds of the low level; in the first the expert drives alone. phrases: that its reader
+    knows of each command; None: all.
 
     expert_episodes, learned_episodes: demonstrations by the expert's hand and by the low level's;
     expert_mistakes, learned_mistakes: chance that a decision in them begins a wrong stretch.
@@ -33,6 +34,7 @@ class Scale(Settings):
     """
 
     low: tuple[LowRound, ...]
+    phrases: Count | None = None
     expert_episodes: Count
     learned_episodes: Count
     expert_mistakes: float = 0.05
@@ -51,6 +53,7 @@ class Scale(Settings):
 SCALES = {
     "small": Scale(
         low=(LowRound(practice=6_000, updates=120), LowRound(practice=2_000, updates=60)),
+        phrases=6,
         expert_episodes=8,
         learned_episodes=2,
         validation_episodes=2,
@@ -65,8 +68,9 @@ SCALES = {
     ),
     "full": Scale(
         low=(
-            LowRound(practice=240_000, updates=6_000, lr=2e-3),
-            LowRound(practice=160_000, updates=9_000),
+            LowRound(practice=240_000, updates=4_000, lr=2e-3),
+            LowRound(practice=200_000, updates=5_000, lr=2e-3),
+            LowRound(practice=200_000, updates=6_000, lr=1.8e-3),
         ),
         expert_episodes=1_200,
         learned_episodes=1_000,

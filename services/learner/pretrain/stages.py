@@ -87,7 +87,7 @@ class Pretraining:
             tell = self.reporter.stage(f"low level {number}", round_.updates)
             net = build(checkpoint.load(before)[0]) if before else self._fresh_low()
             net = fit_low(net, practice.join(parts), settings, _told(tell))
-            low_level = LowLevel(net, known_words())
+            low_level = LowLevel(net, known_words(self.scale.phrases))
             tell(round_.updates)
             data = (self.out / f"practice-{row}.safetensors" for row in range(number + 1))
             card = cards.low_level(self.scale, self.seed, _sha256(data))

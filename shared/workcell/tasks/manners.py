@@ -19,6 +19,7 @@ _FRAMES: dict[str, tuple[str, ...]] = {
     ),
 }
 
+
 def put(core: str, manner: str, rng: np.random.Generator) -> str:
     """An imperative clause in this manner. Plain words stay as they are and draw nothing."""
     frames = _FRAMES[manner]

@@ -8,7 +8,7 @@ import numpy as np
 from shared.workcell import skills
 from shared.workcell.objects import KITCHEN, Stock
 from shared.workcell.state import CellState, cover_of
-from shared.workcell.tasks.wishes import Wish
+from shared.workcell.tasks.wishes import EVERYTHING, Wish
 
 CARRY_M = 0.115
 """The lift is over, and a put may be said, when the held object is higher than this."""
@@ -31,7 +31,7 @@ class Brief:
     task: str
     prompt: str
     target: tuple[str, ...]
-    wish: Wish = Wish()
+    wish: Wish = EVERYTHING
     ordered: bool = True
     stock: Stock = KITCHEN
 

@@ -12,6 +12,12 @@ from shared.workcell.errors import UnknownPrompt
 from shared.workcell.objects import KINDS, OBJECT_NAMES, OBJECTS, Stock
 from shared.workcell.state import CellState
 
+
+def words(text: str) -> list[str]:
+    """The words of a text, in small letters."""
+    return re.findall(r"[a-z]+", text.lower())
+
+
 COLOURS = tuple(dict.fromkeys(item.colour for item in OBJECTS))
 _MEAT = frozenset({"ham"})
 _WORDS = {
@@ -35,16 +41,22 @@ _LEFT_OUT = re.compile(
     rf"\b{_EXCEPT}\s+(?:out\s+)?(?:the\s+)?((?:{_NAMES})e?s?"
     rf"(?:(?:\s*,\s*(?:and\s+)?|\s+and\s+|\s+or\s+)(?:the\s+|no\s+)?(?:{_NAMES})e?s?)*)\b"
 )
-_BEFORE_NOUNS = frozenset("the a an some no and but without except leave with or of".split())
+_BEFORE_NOUNS = frozenset(words("the a an some no and but without except leave with or of"))
 _ORDINARY = frozenset(
-    """not leave leaving or that hold a an the all any away back be big bin blue grey box bus clean clear cleared could dinner
-    everything fast favour first food for from full great guest guests have hello hey hi holds i if
-    in it item items job just left lunch me moment more my napkins need needs next nice nothing now
-    ok one only other others out plain please plate please put quick quickly rest right sandwich
-    side sides single slice slices small stack table task that them then there these thing things
-    this those to today tub two us vegetables veggies we what when whole with you your bag crate
-    order kitchen middle bottom top minute second hungry busy robot love""".split()
+    words(
+        """
+        a all an any away back bag be big bin blue bottom box bus busy clean clear cleared could
+        crate dinner everything fast favour first food for from full great grey guest guests
+        have hello hey hi hold holds hungry i if in it item items job just kitchen leave leaving
+        left love lunch me middle minute moment more my napkins need needs next nice not nothing
+        now ok one only or order other others out plain plate please put quick quickly rest
+        right robot sandwich second side sides single slice slices small stack table task that
+        the them then there these thing things this those to today top tub two us vegetables
+        veggies we what when whole with you your
+        """
+    )
 )
+"""Words that may stand where a thing could be named."""
 
 
 @dataclass(frozen=True)
@@ -86,6 +98,9 @@ class Wish:
         return any(x * _SIDES[side] > 0 for side in self.sides)
 
 
+EVERYTHING = Wish()
+
+
 def read(prompt: str) -> Wish:
     """What a prompt says of things.
 
@@ -96,8 +111,7 @@ def read(prompt: str) -> Wish:
     but = tuple(name for found in _LEFT_OUT.findall(text) for name in _NAMED.findall(found))
     kept = _LEFT_OUT.sub(" ", text)
     names = tuple(_NAMED.findall(kept))
-    words = re.findall(r"[a-z]+", kept)
-    traits = tuple(dict.fromkeys(_WORDS[word] for word in words if word in _WORDS))
+    traits = tuple(dict.fromkeys(_WORDS[word] for word in words(kept) if word in _WORDS))
     colours = tuple(
         word for word in re.findall(r"\b([a-z]+)\b(?! (?:bin|box|tub)\b)", kept) if word in COLOURS
     )
@@ -109,8 +123,7 @@ def read(prompt: str) -> Wish:
 
 
 def _refuse_strangers(text: str) -> None:
-    words = re.findall(r"[a-z]+", text)
-    for before, word in itertools.pairwise(words):
+    for before, word in itertools.pairwise(words(text)):
         if before not in _BEFORE_NOUNS:
             continue
         known = word in _ORDINARY or word in _WORDS or word in COLOURS or word in _SIDES

@@ -7,8 +7,9 @@ import sys
 
 import pytest
 
-from services.actor.evaluate import Plan
 from shared.clock import SystemClock
+from shared.evaluation.episode import Evaluator
+from shared.evaluation.plan import Case, Plan
 from shared.messages.correction import Correction, Kind
 from shared.messages.decision import Decision
 from shared.messages.goal import Goal
@@ -91,10 +92,8 @@ def test_another_seed_gives_another_episode():
 
 
 def test_an_evaluation_is_the_same_whatever_it_is_run_beside():
-    from services.actor.evaluate import Evaluator
-
-    plan = Plan("base", ("pack",), "workshop", 2)
+    plan = Plan(tasks=("pack",), site="workshop")
     one, other = Evaluator(plan), Evaluator(plan)
-    first = one.roll_out(2_000_000_001, "pack")
-    other.roll_out(2_000_000_000, "pack")
-    assert other.roll_out(2_000_000_001, "pack") == first
+    first = one(Case(2_000_000_001, "pack"))
+    other(Case(2_000_000_000, "pack"))
+    assert other(Case(2_000_000_001, "pack")) == first

@@ -6,7 +6,8 @@ import numpy as np
 
 from services.oracle.seen import Command, Proposed, Seen
 from shared.workcell.layout import BIN, PLATE_TOP_M, PLATE_XY, starts
-from shared.workcell.objects import BODY_NAMES, COUNT, HALF_HEIGHTS_M, index
+from shared.workcell.objects import BIN as BIN_ROW
+from shared.workcell.objects import BODY_NAMES, HALF_HEIGHTS_M, PLATE, absent_at, index
 from shared.workcell.state import CellState
 
 PROMPT = "make a sandwich with cheese"
@@ -16,8 +17,10 @@ CARRIED_M = 0.2
 def scene(*stack: str, hand: str | None = None, seed: int = 3) -> CellState:
     """All objects on the table but those of the stack on the plate and the one in the hand."""
     positions = np.zeros((len(BODY_NAMES), 3))
-    positions[:COUNT] = starts(np.random.default_rng(seed))[:, :3]
-    positions[COUNT:] = [(*PLATE_XY, 0.0), (BIN.x_m, BIN.y_m, 0.0)]
+    positions[:] = [absent_at(row) for row in range(len(BODY_NAMES))]
+    for row, place in starts(np.random.default_rng(seed)).items():
+        positions[row] = place[:3]
+    positions[PLATE], positions[BIN_ROW] = (*PLATE_XY, 0.0), (BIN.x_m, BIN.y_m, 0.0)
     top = PLATE_TOP_M
     for name in stack:
         half = float(HALF_HEIGHTS_M[index(name)])

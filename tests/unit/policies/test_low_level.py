@@ -10,10 +10,11 @@ from shared.errors import PolicyError
 from shared.messages.goal import LanguageGoal
 from shared.policies import checkpoint
 from shared.policies.checkpoint import Card
-from shared.policies.geometry import BODY_FEATURES, TOKEN_FEATURES
+from shared.policies.geometry import OBJECTS
 from shared.policies.low_level import LowLevel, build
 from shared.policies.low_net import squash, targets
-from tests.unit.policies.scenes import low_net, senses
+from shared.policies.tokens import BODY_FEATURES, TOKEN_FEATURES
+from tests.unit.policies.scenes import Letters, low_net, senses, words
 
 WAIT = LanguageGoal(text="wait")
 
@@ -28,7 +29,7 @@ def turned(proprioception: np.ndarray, objects: np.ndarray) -> tuple[np.ndarray,
 
 
 def test_a_chunk_is_ten_steps_of_fourteen_targets() -> None:
-    chunk = LowLevel(low_net()).act(*senses(), WAIT)
+    chunk = LowLevel(low_net(), words()).act(*senses(), WAIT)
     assert chunk.shape == (10, 14)
     assert chunk.dtype == np.float32
     assert np.isfinite(chunk).all()
@@ -36,7 +37,7 @@ def test_a_chunk_is_ten_steps_of_fourteen_targets() -> None:
 
 
 def test_equal_senses_give_equal_chunks_alone_and_in_company() -> None:
-    low_level = LowLevel(low_net())
+    low_level = LowLevel(low_net(), words())
     first, second = senses(1), senses(2)
     alone = low_level.act(*first, WAIT)
     both = low_level.act_all(
@@ -53,9 +54,12 @@ def test_each_arm_sees_the_world_from_its_own_base() -> None:
     right = net.geometry(
         torch.tensor(there[0][None]), torch.tensor(there[1][None]), torch.tensor([1])
     )
-    assert left.tokens.shape == (1, 10, TOKEN_FEATURES)
+    assert left.tokens.shape == (1, OBJECTS + 1 + 4 + 4 + 3 + 1, TOKEN_FEATURES)
     assert left.body.shape == (1, BODY_FEATURES)
-    assert torch.allclose(left.tokens, right.tokens, atol=1e-4)
+    seen = left.valid[0, : OBJECTS + 1]  # Things and plate; quarters and spots are each arm's own.
+    assert seen.sum() == 8
+    both = left.tokens[0, : OBJECTS + 1][seen], right.tokens[0, : OBJECTS + 1][seen]
+    assert torch.allclose(*both, atol=1e-4)
     assert (left.body - right.body).abs().gt(1e-4).sum() == 1  # Which arm it is.
 
 
@@ -66,16 +70,49 @@ def test_targets_undo_squashing() -> None:
 
 
 def test_the_hash_is_that_of_the_tensors_and_survives_the_disk(tmp_path: Path) -> None:
-    low_level = LowLevel(low_net())
+    low_level = LowLevel(low_net(), words())
     checkpoint.save(tmp_path, low_level.tensors(), card())
-    again = LowLevel.load(tmp_path)
+    again = LowLevel.load(tmp_path, Letters())
     assert again.sha256 == low_level.sha256 == checkpoint.load_card(tmp_path).tensors_sha256
-    assert LowLevel(low_net(1)).sha256 != low_level.sha256
+    assert LowLevel(low_net(1), words()).sha256 != low_level.sha256
     assert np.array_equal(again.act(*senses(), WAIT), low_level.act(*senses(), WAIT))
 
 
+CHEESE = LanguageGoal(text="grab the cheese")
+ABSENT_CHEESE = senses()[1].copy()
+ABSENT_CHEESE[2] = 0.0
+
+
+@pytest.mark.parametrize(
+    ("text", "objects", "objection"),
+    [
+        ("grab the cheese", senses()[1], ""),
+        ("put it down", senses()[1], ""),
+        ("zzz qqq", senses()[1], "doesn't understand 'zzz qqq'; nearest it knows: 'p"),
+        ("grab the cheese", ABSENT_CHEESE, "'pick up the cheese' can't be done here"),
+    ],
+)
+def test_what_it_cannot_do_it_objects_to_naming_what_it_can(
+    text: str, objects: np.ndarray, objection: str
+) -> None:
+    why = LowLevel(low_net(), words()).objection(LanguageGoal(text=text), objects)
+    assert why == "" if not objection else objection in why
+
+
+def test_it_stands_still_for_what_it_objects_to() -> None:
+    body, objects = senses()
+    chunk = LowLevel(low_net(), words()).act(body, objects, LanguageGoal(text="zzz qqq"))
+    assert np.allclose(chunk[:, :6], body[:6])
+    assert np.allclose(chunk[:, 6], 0.08)
+    assert LowLevel(low_net(), words()).completion(body, objects, LanguageGoal(text="zzz")) == 0.0
+
+
+def test_a_probability_says_whether_the_command_is_achieved() -> None:
+    assert 0.0 < LowLevel(low_net(), words()).completion(*senses(), CHEESE) < 1.0
+
+
 def test_other_tensors_are_refused() -> None:
-    tensors = LowLevel(low_net()).tensors()
+    tensors = LowLevel(low_net(), words()).tensors()
     del tensors["enter.weight"]
     with pytest.raises(PolicyError, match="no low level"):
         build(tensors)

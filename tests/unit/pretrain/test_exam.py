@@ -1,14 +1,8 @@
 """Rates and their intervals."""
 
-import pytest
-
-from services.learner.pretrain.exam import Attempt, by_name, figure, wilson
-
-
-def test_a_rate_has_its_wilson_interval() -> None:
-    assert wilson(5, 10) == pytest.approx((0.2366, 0.7634), abs=1e-4)
-    assert wilson(10, 10) == pytest.approx((0.7225, 1.0), abs=1e-4)
-    assert wilson(0, 0) == (0.0, 1.0)
+from services.learner.pretrain.exam import Attempt, by_name, figure
+from services.learner.pretrain.figures import roll_out
+from shared.evaluation.plan import Plan
 
 
 def test_attempts_are_counted_by_name() -> None:
@@ -19,3 +13,10 @@ def test_attempts_are_counted_by_name() -> None:
         ("skill pick", 0.5, 2),
     ]
     assert figure("none", []).n == 0
+
+
+def test_the_cards_rates_come_from_evaluations() -> None:
+    plan = Plan(high_level="oracle", site="lab", tasks=("pack",), seeds=(0, 1))
+    rows = roll_out(plan, plan.cases())
+    assert [(row.seed, row.task) for row in rows] == plan.cases()
+    assert rows[0].steps > 0

@@ -61,6 +61,7 @@ def test_a_prompt_given_is_the_prompt_obeyed(env):
         "task": "pack",
         "success": False,
         "elapsed_steps": 0,
+        "disturbed": 0,
     }
 
 

@@ -11,18 +11,18 @@ from pydantic import ValidationError
 from shared.workcell.cell import Cell
 from shared.workcell.errors import InvalidSite
 from shared.workcell.expert import act
-from shared.workcell.site import Site, load_site, site_names
+from shared.workcell.site import Prompts, Site, load_site, site_names
 from shared.workcell.skills import achieved, parse
 
 
 def test_the_sites_that_come_with_the_cell_load_under_their_own_names():
-    assert site_names() == ("lab", "workshop")
-    assert [load_site(name).name for name in site_names()] == ["lab", "workshop"]
-    assert load_site("lab") == Site(name="lab")
+    assert site_names() == ("far", "lab", "near", "workshop")
+    assert [load_site(name).name for name in site_names()] == list(site_names())
+    assert load_site("lab") == Site(name="lab", prompts=Prompts(constraints=0.3))
 
 
 def test_an_unknown_site_is_answered_with_the_known_ones():
-    with pytest.raises(InvalidSite, match="lab, workshop"):
+    with pytest.raises(InvalidSite, match="far, lab, near, workshop"):
         load_site("kitchen")
 
 

@@ -1,10 +1,24 @@
 """Words for skills, and when a skill is achieved."""
 
+import numpy as np
 import pytest
 
 from shared.workcell.errors import UnknownCommand
 from shared.workcell.measure import attempt
-from shared.workcell.skills import COMMANDS, PARAPHRASES, Skill, achieved, parse
+from shared.workcell.objects import KINDS, OBJECT_NAMES, TABLE
+from shared.workcell.skills import (
+    COMMANDS,
+    PARAPHRASES,
+    PUT_DOWN,
+    PUT_IN_BIN,
+    PUT_IN_TUB,
+    PUT_ON_PLATE,
+    Skill,
+    achieved,
+    obstacle,
+    parse,
+    possible,
+)
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -27,11 +41,29 @@ def test_every_command_has_at_least_eight_paraphrases_that_mean_it_alone():
 
 def test_a_put_with_empty_hands_is_never_achieved(cell):
     state = cell.state()
-    assert not any(achieved(Skill(verb), state, state) for verb in ("plate", "bin", "down"))
+    assert not any(achieved(Skill(verb), state, state) for verb in ("plate", "bin", "tub", "down"))
     assert achieved(Skill("wait"), state, state)
 
 
-@pytest.mark.parametrize("put", COMMANDS[7:10])
+@pytest.mark.parametrize("put", [PUT_ON_PLATE, PUT_IN_BIN, PUT_DOWN])
 def test_the_expert_achieves_a_pick_and_then_a_put(cell, put):
     assert attempt(cell, "pick up the ham") is not None
     assert attempt(cell, put) is not None
+
+
+@pytest.mark.parametrize("name", sorted(TABLE & set(OBJECT_NAMES)))
+def test_the_expert_clears_each_thing_from_the_table(cell, name):
+    cell.reset(np.random.default_rng(4), TABLE)
+    put = PUT_IN_TUB if name in KINDS["dish"] else PUT_IN_BIN
+    assert attempt(cell, f"pick up the {name}") is not None
+    assert attempt(cell, put) is not None
+
+
+def test_what_is_not_on_the_table_cannot_be_done_and_moves_nothing(cell):
+    state = cell.state()
+    assert obstacle(parse("pick up the cup"), state) == "there is no cup here"
+    assert obstacle(parse(PUT_IN_TUB), state) == "there is no tub here"
+    assert obstacle(parse(PUT_IN_BIN), state) == "no hand holds anything"
+    assert possible(parse("pick up the ham"), state)
+    assert attempt(cell, "pick up the cup", steps=30) is None
+    assert not cell.state().holding

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from shared.workcell import skills
-from shared.workcell.errors import UnknownPrompt, UnknownTask
+from shared.workcell.errors import InvalidLength, UnknownPrompt, UnknownTask
 from shared.workcell.expert import act
 from shared.workcell.layout import BIN, PLATE_XY
 from shared.workcell.measure import DECISION_STEPS, rollout
-from shared.workcell.objects import index
-from shared.workcell.tasks import TASKS, task_named, understand
+from shared.workcell.objects import OBJECT_NAMES, index
+from shared.workcell.tasks import TASKS, Draw, task_named, understand
 
 
 def carry_on(env, command=None):
@@ -27,16 +27,75 @@ def settle(env, steps=30):
         env.step(act(env.state, skills.parse("wait")))
 
 
+@pytest.mark.parametrize("manner", ["plain", "polite", "chatty"])
 @pytest.mark.parametrize("name", TASKS)
-def test_every_sampled_prompt_is_understood_as_what_it_was_drawn_for(name):
+def test_every_sampled_prompt_is_understood_as_what_it_was_drawn_for(name, manner):
     rng = np.random.default_rng(1)
-    for _ in range(200):
-        brief = TASKS[name].sample(rng)
-        assert understand(brief.prompt) == brief
+    for _ in range(300):
+        brief = TASKS[name].sample(rng, Draw(manner=manner, constraints=0.5))
+        again = understand(brief.prompt)
+        assert (again.task, again.wish, again.ordered) == (brief.task, brief.wish, brief.ordered)
+        assert tuple(thing for thing in again.target if thing in brief.stock) == brief.target
+
+
+@pytest.mark.parametrize("name", TASKS)
+def test_an_episode_takes_as_many_skills_as_were_asked_for(name):
+    rng = np.random.default_rng(2)
+    for skills_ in TASKS[name].lengths:
+        for _ in range(20):
+            brief = TASKS[name].sample(rng, Draw(skills=skills_, constraints=0.5))
+            assert brief.skills == skills_
+            assert set(brief.target) <= brief.stock
+
+
+def test_a_number_of_skills_that_a_task_cannot_take_is_refused_with_those_that_it_can():
+    with pytest.raises(InvalidLength, match="a bus takes 2 to 16 skills, an even number; got 5"):
+        TASKS["bus"].sample(np.random.default_rng(0), Draw(skills=5))
 
 
 @pytest.mark.parametrize(
-    "prompt", ["", "dance", "make a sandwich with toast", "put the ham in the bin", "a sandwich"]
+    ("prompt", "target"),
+    [
+        ("make a vegetarian sandwich", ("bread", "cheese", "lettuce", "tomato", "onion", "toast")),
+        (
+            "could you make a vegetarian sandwich, no tomato please",
+            ("bread", "cheese", "lettuce", "onion", "toast"),
+        ),
+        ("pack everything brown into the bin", ("bread", "toast")),
+        (
+            "pack all the food except the ham and the onion into the bin",
+            ("bread", "toast", "cheese", "lettuce", "tomato"),
+        ),
+        ("clear only the dishes but leave the glass", ("cup", "bowl", "saucer")),
+        ("clear away everything red", ("cup", "can")),
+        ("bus the table", ("cup", "bowl", "glass", "saucer", "can", "wrapper", "carton", "napkin")),
+    ],
+)
+def test_a_prompt_may_say_what_fits(prompt, target):
+    assert understand(prompt).target == target
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_sides_are_meant_as_things_lay_at_the_start(env, side):
+    env.reset(seed=3, options={"prompt": f"pack only what is on the {side} into the bin"})
+    there = {OBJECT_NAMES[row]: env.state.points[row][0] for row in range(7)}
+    fitting = {name for name, x in there.items() if (x < 0) == (side == "left")}
+    assert set(env.brief.target) == fitting
+    assert 2 <= len(fitting) <= 5
+
+
+@pytest.mark.parametrize(
+    "prompt", ["pack the ham and the banana", "clear the table but leave a jar"]
+)
+def test_a_thing_that_the_cell_lacks_is_refused_with_those_that_it_has(prompt):
+    with pytest.raises(
+        UnknownPrompt, match=r"there is no '(banana|jar)' in this cell; it knows bread"
+    ):
+        understand(prompt)
+
+
+@pytest.mark.parametrize(
+    "prompt", ["", "dance", "make a sandwich with toast", "put the cup in the bin", "a sandwich"]
 )
 def test_a_prompt_that_asks_for_no_task_is_answered_with_one_that_does(prompt):
     with pytest.raises(UnknownPrompt, match="it reads like"):

@@ -1,0 +1,1 @@
+"""Experiments: what the hierarchy can do, what limits it, and what it is compared with."""

@@ -1,0 +1,105 @@
+"""`hld experiment`: measure, and write report.json, report.md and plots."""
+
+import os
+import shlex
+import sys
+from collections.abc import Callable
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from services.learner.experiments import report
+from services.learner.experiments.bench import Bench
+from services.learner.experiments.registry import EXPERIMENTS, experiment_named
+from shared.config import exit_misconfigured
+from shared.errors import ConfigError, HldError, nearest
+from shared.evaluation.plan import Plan, find_high_level, parse_seeds
+from shared.evaluation.pool import Pool
+from shared.policies.checkpoint import load_card
+from shared.service import interrupt_at_sigterm
+
+INTERRUPTED = 130
+SCALES = ("small", "full")
+
+
+class Bars:
+    """A bar for each thing that is measured."""
+
+    def __init__(self, progress: Progress) -> None:
+        self._progress = progress
+
+    def __call__(self, name: str, total: int) -> Callable[[], None]:
+        """See `bench.Reporter`."""
+        task = self._progress.add_task(name, total=total)
+        return lambda: self._progress.advance(task)
+
+
+def main(
+    name: Annotated[str, typer.Argument(help=f"one of {', '.join(EXPERIMENTS)}")],
+    out: Annotated[Path, typer.Option(help="folder of rows and report; resumed if there")],
+    scale: Annotated[str, typer.Option(help="small: a minute, to try it; full: to learn")] = "full",
+    seeds: Annotated[str, typer.Option(help="A:B, from the first evaluation seed")] = "",
+    n: Annotated[int, typer.Option(min=0, help="short for --seeds 0:N")] = 0,
+    site: Annotated[str, typer.Option(help="settings file of the cell")] = "lab",
+    high_level: Annotated[
+        str, typer.Option(help="the learned one: base, a version, or a checkpoint folder")
+    ] = "base",
+    low_level: Annotated[str, typer.Option(help="checkpoint folder; the bundled one")] = "",
+    data: Annotated[Path, typer.Option(help="the run whose versions are meant")] = Path("runs/up"),
+    processes: Annotated[int, typer.Option(min=0, help="0: one a core")] = 0,
+) -> None:
+    """Run an experiment and write its report into OUT.
+
+    Ctrl-C stops; the same command goes on with what is missing.
+    """
+    try:
+        experiment = experiment_named(name)
+        if scale not in SCALES:
+            raise ConfigError(f"no scale {scale!r}{nearest(scale, SCALES)}")
+        some = experiment.small if scale == "small" else experiment.full
+        wanted = parse_seeds(seeds or f"0:{n or some}")
+        learned = find_high_level(high_level, data)
+        plan = Plan(high_level=learned, low_level=low_level, site=site, seeds=wanted)
+        plan.check()
+    except HldError as error:
+        exit_misconfigured("experiment", error)
+    about = {
+        "experiment": name,
+        "command": shlex.join(["hld", "experiment", *sys.argv[1:]]),
+        "date": datetime.now(UTC).date().isoformat(),
+        "scale": scale,
+        "site": site,
+        "seeds": f"{wanted[0]}:{wanted[1]}",
+        "n": wanted[1] - wanted[0],
+        "low_level_sha256": load_card(plan.low_level_folder()).tensors_sha256,
+    }
+    os.environ["OMP_NUM_THREADS"] = "1"  # The processes share the cores.
+    interrupt_at_sigterm()
+    console = Console()
+    out.mkdir(parents=True, exist_ok=True)
+    columns = TextColumn("{task.description:28}"), BarColumn(), MofNCompleteColumn()
+    try:
+        with (
+            Progress(*columns, TimeRemainingColumn(), console=console) as progress,
+            Pool(processes) as pool,
+        ):
+            bars = Bars(progress)
+            small = scale == "small"
+            bench = Bench(out, pool, bars, wanted, small, site, learned, low_level)
+            findings = experiment.run(bench)
+    except KeyboardInterrupt:
+        console.print(f"stopped; the same command goes on in {out}", markup=False)
+        raise typer.Exit(INTERRUPTED) from None
+    except HldError as error:
+        print(f"experiment: {error}", file=sys.stderr)
+        raise typer.Exit(1) from None
+    report.write(out, findings, about)
+    console.print(f"report: {out / 'report.md'}", markup=False)
+
+
+if __name__ == "__main__":
+    typer.run(main)

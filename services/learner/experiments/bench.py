@@ -1,0 +1,98 @@
+"""The bench that an experiment works at: episodes and phrases, on all cores, done only once."""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol, TypeVar
+
+from shared.evaluation.attempts import Row
+from shared.evaluation.evaluate import evaluate
+from shared.evaluation.phrase import Phrases, Said, Speaker, Trial
+from shared.evaluation.plan import Plan
+from shared.evaluation.pool import Pool
+from shared.evaluation.rows import Rows, measure
+from shared.seeds import EVALUATION
+from shared.workcell.tasks import TASKS
+
+R = TypeVar("R")
+
+
+class Reporter(Protocol):
+    """Where progress is told."""
+
+    def __call__(self, name: str, total: int) -> Callable[[], None]:
+        """Begin something; the answer is to be called for each part of `total` that is done."""
+        ...
+
+
+@dataclass(frozen=True)
+class Bench:
+    """What an experiment is given.
+
+    out: where rows are kept, by the name of what was measured; what lies there isn't done again.
+    seeds: from A up to B, as in `Plan`; the scenes of each cell of a table.
+    small: to try it, rather than to learn from it.
+    high_level: the learned one, as `Plan` takes it. low_level: checkpoint folder, as there.
+    """
+
+    out: Path
+    pool: Pool
+    reporter: Reporter
+    seeds: tuple[int, int]
+    small: bool = False
+    site: str = "lab"
+    high_level: str = "base"
+    low_level: str = ""
+
+    @property
+    def n(self) -> int:
+        """How many scenes there are."""
+        return self.seeds[1] - self.seeds[0]
+
+    def seed(self, number: int) -> int:
+        """The seed of one of them."""
+        return EVALUATION.start + self.seeds[0] + number % self.n
+
+    def plan(self, **changes: object) -> Plan:
+        """A plan at this bench's site with its seeds and low level, unless told otherwise."""
+        given = {"site": self.site, "seeds": self.seeds, "low_level": self.low_level}
+        return Plan.model_validate({**given, **changes})
+
+    def episodes(self, name: str, plan: Plan) -> list[Row]:
+        """One episode a seed, ordered by their seeds, so that two plans' rows make pairs.
+
+        Raises:
+            HldError: the plan can't work.
+        """
+        plan.check()
+        rows = evaluate(plan, self.pool, self._file(name))
+        return sorted(self._told(name, rows, len(plan.cases())), key=lambda row: row.seed)
+
+    def phrases(self, name: str, trials: Sequence[Trial], site: str = "") -> list[Said]:
+        """What came of each trial, in their order."""
+        plan = Phrases(site=site or self.site, low_level=self.low_level)
+        trials = list(dict.fromkeys(trials))
+        rows = Rows(self._file(name), Said, plan.note())
+        found = measure(self.pool, Speaker, plan, trials, lambda said: said.trial, rows)
+        by_trial = {said.trial: said for said in self._told(name, found, len(trials))}
+        return [by_trial[trial] for trial in trials]
+
+    def tasks(self, skills: int | None = None) -> list[str]:
+        """The tasks whose prompts can take so many skills."""
+        return [name for name, task in TASKS.items() if skills is None or skills in task.lengths]
+
+    def _file(self, name: str) -> Path:
+        return self.out / "rows" / f"{name}.jsonl"
+
+    def _told(self, name: str, rows: Iterable[R], total: int) -> Iterable[R]:
+        tell = self.reporter(name, total)
+        for row in rows:
+            tell()
+            yield row
+
+
+def slug(high_level: str) -> str:
+    """A high level as a part of a name."""
+    return "".join(sign if sign.isalnum() or sign in ".-" else "-" for sign in high_level).strip(
+        "-"
+    )

@@ -1,0 +1,77 @@
+"""What an experiment found: figures for machines, tables and curves for people; pure data."""
+
+from typing import Any
+
+from shared.config import Settings
+
+
+class Table(Settings):
+    """columns: their heads. rows: cells as they are shown."""
+
+    title: str
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+
+class Curve(Settings):
+    """Rates over something, each with its interval.
+
+    x: numbers, or names that are set out evenly. dashed: it is computed, not measured.
+    """
+
+    label: str
+    x: tuple[float, ...] | tuple[str, ...]
+    y: tuple[float, ...]
+    low: tuple[float, ...]
+    high: tuple[float, ...]
+    dashed: bool = False
+
+
+class Panel(Settings):
+    """Curves over one another."""
+
+    title: str
+    curves: tuple[Curve, ...]
+
+
+class Plot(Settings):
+    """One picture: panels beside one another. name: of its file, without the suffix."""
+
+    name: str
+    title: str
+    x_label: str
+    panels: tuple[Panel, ...]
+    y_label: str = "success"
+
+
+class Findings(Settings):
+    """What came out.
+
+    title: one line. method: what was done, in sentences. figures: rates as `rate` gives them, and
+    what was computed from them. notes: what one must know to read them.
+    """
+
+    title: str
+    method: tuple[str, ...]
+    figures: dict[str, Any]
+    tables: tuple[Table, ...] = ()
+    plots: tuple[Plot, ...] = ()
+    notes: tuple[str, ...] = ()
+
+
+def cell(figures: dict[str, Any]) -> str:
+    """A rate as a cell of a table: 0.83 (0.72 to 0.90)."""
+    low, high = figures["interval"]
+    return f"{figures['success']:.2f} ({low:.2f} to {high:.2f})"
+
+
+def curve(label: str, points: dict[float, dict[str, Any]] | dict[str, dict[str, Any]]) -> Curve:
+    """A curve through rates by x."""
+    rates = list(points.values())
+    return Curve(
+        label=label,
+        x=tuple(points),
+        y=tuple(rate["success"] for rate in rates),
+        low=tuple(rate["interval"][0] for rate in rates),
+        high=tuple(rate["interval"][1] for rate in rates),
+    )

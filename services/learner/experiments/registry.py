@@ -1,0 +1,38 @@
+"""The experiments by name; a new one is a module beside these and a line here."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from services.learner.experiments import horizon, language, skills, transitions
+from services.learner.experiments.bench import Bench
+from services.learner.experiments.findings import Findings
+from shared.errors import ConfigError, nearest
+
+
+class Experiment(NamedTuple):
+    """small, full: scenes for each cell of its tables, at either scale."""
+
+    run: Callable[[Bench], Findings]
+    small: int
+    full: int
+
+
+EXPERIMENTS = {
+    "skills": Experiment(skills.run, small=2, full=100),
+    "language": Experiment(language.run, small=2, full=100),
+    "horizon": Experiment(horizon.run, small=1, full=60),
+    "transitions": Experiment(transitions.run, small=1, full=120),
+}
+
+
+def experiment_named(name: str) -> Experiment:
+    """The experiment of this name.
+
+    Raises:
+        ConfigError: there is none; the message names those that there are.
+    """
+    if name not in EXPERIMENTS:
+        raise ConfigError(
+            f"no experiment {name!r}{nearest(name, EXPERIMENTS)} of {', '.join(EXPERIMENTS)}"
+        )
+    return EXPERIMENTS[name]

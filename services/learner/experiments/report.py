@@ -1,0 +1,37 @@
+"""The report of an experiment: report.json for machines, and the same as report.md for people."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+from services.learner.experiments.findings import Findings, Table
+from services.learner.experiments.plots import draw
+
+SCHEMA = 1
+
+
+def write(folder: Path, findings: Findings, about: dict[str, Any]) -> None:
+    """Write report.json, report.md and the plots. about: what was asked for, and when."""
+    names = [draw(folder, plot) for plot in findings.plots]
+    content = {"schema": SCHEMA, **about, **findings.model_dump(mode="json"), "pictures": names}
+    text = json.dumps(content, indent=2, ensure_ascii=False)
+    (folder / "report.json").write_text(text + "\n")
+    (folder / "report.md").write_text(describe(findings, about, names))
+
+
+def describe(findings: Findings, about: dict[str, Any], pictures: list[str]) -> str:
+    """The report as a page."""
+    lines = [f"# {findings.title}", "", *findings.method, ""]
+    lines += [f"`{about['command']}`, {about['date']}, π_LL `{about['low_level_sha256'][:12]}`."]
+    for table in findings.tables:
+        lines += ["", f"## {table.title}", "", *_table(table)]
+    for plot, name in zip(findings.plots, pictures, strict=True):
+        lines += ["", f"![{plot.title}]({name})"]
+    if findings.notes:
+        lines += ["", "## To be known", *(f"- {note}" for note in findings.notes)]
+    return "\n".join(lines) + "\n"
+
+
+def _table(table: Table) -> list[str]:
+    rows = [table.columns, ("---",) * len(table.columns), *table.rows]
+    return [f"| {' | '.join(row)} |" for row in rows]

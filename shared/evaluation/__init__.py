@@ -1,0 +1,1 @@
+"""Measures policies in the cell: episodes without people, single skills, single phrases."""

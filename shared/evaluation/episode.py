@@ -1,0 +1,94 @@
+"""One episode of an evaluation: a hierarchy in lockstep, without corrections, watched."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from shared.clock import SystemClock
+from shared.evaluation.attempts import Row
+from shared.evaluation.plan import ORACLE, Case, Plan
+from shared.evaluation.watch import Watch
+from shared.messages.decision import Proposal
+from shared.messages.goal import Goal
+from shared.messages.observation import Observation
+from shared.messages.policy import Version
+from shared.policies.high_level import HighLevel
+from shared.policies.low_level import LowLevel
+from shared.rollout import robot as seams
+from shared.rollout.rollout import Rollout
+from shared.rollout.thinking import Lockstep
+from shared.workcell.station import Station
+
+
+class Oracle:
+    """The high level that knows: it reads the true state and is never wrong."""
+
+    version = Version(0, 0)
+
+    def __init__(self, station: Station) -> None:
+        self._station = station
+
+    def propose(
+        self, observation: Observation, past: Sequence[NDArray[np.uint8]] = ()
+    ) -> tuple[Proposal, ...]:
+        del past  # Unused: what is true now is all that it needs.
+        previous = observation.previous[-1] if observation.previous else None
+        goal = Goal(text=self._station.right_command(previous))
+        return (Proposal(goal=goal, score=1.0),)
+
+
+class Evaluator:
+    """One process's policies and cell, ready for one case of a plan after another."""
+
+    def __init__(self, plan: Plan) -> None:
+        torch.set_num_threads(1)  # The processes share the cores.
+        self._plan = plan
+        self._station = Station(plan.site, plan.skills)
+        self._low_level = LowLevel.load(plan.low_level_folder())
+        self._high_level = self._make_high_level()
+
+    def _make_high_level(self) -> seams.HighLevel:
+        if self._plan.high_level == ORACLE:
+            return Oracle(self._station)
+        return HighLevel.load(self._plan.high_level_folder(), self._plan.rollout.head)
+
+    def __call__(self, case: Case) -> Row:
+        """Roll out one episode."""
+        scene = self._station.reset(case.seed, case.task, None)
+        watch = Watch(self._station.env)
+        rollout = Rollout(
+            self._station,
+            self._high_level,
+            self._low_level,
+            Lockstep(self._plan.rollout.latency_steps),
+            SystemClock(),
+            self._plan.rollout,
+            name="evaluation",
+            episode=f"seed-{case.seed}",
+            scene=scene,
+            decided=lambda decision: watch.decided(decision.executed.text),
+        )
+        while not rollout.over:
+            if rollout.advance() and rollout.command:
+                watch.stepped(rollout.command.text, rollout.step)
+        attempts = watch.finish(rollout.step, rollout.done)
+        return Row(
+            seed=case.seed,
+            task=case.task,
+            prompt=scene.prompt,
+            success=rollout.done,
+            steps=rollout.step,
+            decisions=rollout.decisions,
+            asked={str(why): count for why, count in rollout.asked.items()},
+            wrong=watch.wrong,
+            failure=watch.failure,
+            failed_step=watch.failed_step,
+            attempts=attempts,
+            low_level_sha256=self._low_level.fingerprint(),
+        )
+
+    def close(self) -> None:
+        """Give the cell back."""
+        self._station.close()

@@ -1,0 +1,90 @@
+"""What experiments compute, from episodes that were made up, and the bench with real ones."""
+
+import pytest
+
+from services.learner.experiments import horizon, language, transitions
+from services.learner.experiments.bench import slug
+from services.learner.experiments.registry import EXPERIMENTS, experiment_named
+from services.learner.experiments.scenes import setting_for
+from shared.errors import ConfigError
+from shared.rollout.settings import Replan
+from shared.workcell.skills import COMMANDS, parse
+from tests.unit.evaluation.rows import attempt, row
+from tests.unit.experiments.bench import here, scripted
+
+
+def test_the_fallibility_counts_calls_up_to_the_first_that_failed():
+    lost = row(1, False, attempts=(attempt(), attempt(success=False), attempt(success=False)))
+    won = row(2, attempts=(attempt(), attempt(), attempt("wait", "")))
+    found = horizon.fallibility([lost, won])
+    assert (found["value"], found["n"]) == (0.25, 4)
+
+
+def test_a_wrong_wait_is_a_call_that_failed():
+    stuck = row(1, False, attempts=(attempt(), attempt("wait", "", wrong=1)))
+    assert horizon.fallibility([stuck])["value"] == 0.5
+
+
+def test_the_chain_is_one_less_epsilon_to_the_length():
+    epsilon = {"value": 0.1, "n": 100, "interval": [0.05, 0.2]}
+    chain = horizon.chain(epsilon, 8)
+    assert chain["value"] == pytest.approx(0.9**8, abs=1e-4)
+    assert chain["interval"] == pytest.approx([0.8**8, 0.95**8], abs=1e-4)
+
+
+def test_the_horizon_has_every_length_that_a_task_takes_beside_what_its_epsilon_gives(tmp_path):
+    def script(plan):
+        good = plan.high_level == "oracle"
+        return [row(seed, good, attempts=(attempt(success=good),)) for seed in range(4)]
+
+    bench = scripted(tmp_path, script)
+    found = horizon.run(bench)
+    lengths = found.figures["pack"]["oracle"]["lengths"]
+    assert list(lengths) == [length for length in horizon.LENGTHS if "pack" in bench.tasks(length)]
+    assert all(point["success"] == point["expected"]["value"] == 1.0 for point in lengths.values())
+    assert found.figures["pack"]["base"]["epsilon"]["value"] == 1.0
+    assert [panel.title for panel in found.plots[0].panels] == list(found.figures)
+
+
+def test_transitions_are_compared_on_the_same_scenes_under_both_paces(tmp_path):
+    def script(plan):
+        good = plan.rollout.replan is not Replan.INTERVAL or not plan.rollout.latency_steps
+        return [row(seed, good or seed == 0) for seed in range(12)]
+
+    found = transitions.run(scripted(tmp_path, script)).figures["base"]
+    assert found["slow"]["both"]["less_interval"]["difference"] == pytest.approx(11 / 12, abs=1e-3)
+    assert found["slow"]["both"]["less_interval"]["p"] < 0.01
+    assert found["fast"]["both"]["less_interval"] == {
+        "difference": 0.0,
+        "interval": [0.0, 0.0],
+        "p": 1.0,
+    }
+
+
+def test_scenes_for_puts_have_something_in_the_hand_and_differ(tmp_path):
+    bench = here(tmp_path, (0, 6))
+    settings = [setting_for(parse("put it down"), bench, number) for number in range(6)]
+    assert all(setting.holding == "anything" for setting in settings)
+    assert len({setting.seed for setting in settings}) == 6
+    assert {setting_for(parse(COMMANDS[0]), bench, 0).holding} == {""}
+
+
+def test_language_is_measured_with_real_phrases_and_not_done_twice(tmp_path):
+    bench = here(tmp_path)
+    found = language.run(bench)
+    jobs = bench.pool.jobs
+    assert jobs == len(COMMANDS) + 1 + len(language.OUTLANDISH)
+    assert found.figures["reworded"]["n"] == len(COMMANDS)
+    assert found.figures["contrary"]["n"] == 1
+    assert language.run(bench) == found
+    assert bench.pool.jobs == jobs
+
+
+def test_an_unknown_experiment_is_an_error_that_names_those_that_are_known():
+    with pytest.raises(ConfigError, match="horizon"):
+        experiment_named("horizons")
+    assert {"skills", "language", "horizon", "transitions"} <= set(EXPERIMENTS)
+
+
+def test_a_checkpoints_folder_makes_a_files_name():
+    assert slug("/runs/up/learner/versions/1.2") == "runs-up-learner-versions-1.2"
