@@ -17,6 +17,8 @@ from shared.goals.language.encoder import WIDTH, Encoder
 
 EMBEDDED, HIDDEN, THOUGHT = 64, 128, 256
 BEAMS, MOST_WORDS = 24, 16
+SPREAD = WIDTH**0.5
+"""Unit vectors times this have numbers about 1 in size, as layers like them."""
 END = 0
 """Row of the mark that ends a phrase; words follow in the order of the vocabulary."""
 
@@ -123,4 +125,4 @@ class TextHead(nn.Module):
 
     def _table(self) -> Tensor:
         """What stands for the end and for each word, [W + 1, EMBEDDED]."""
-        return self.own + F.pad(self.enter(self.vectors), (0, 0, 1, 0))
+        return self.own + F.pad(self.enter(self.vectors * SPREAD), (0, 0, 1, 0))

@@ -100,7 +100,12 @@ def test_a_phrase_that_nobody_used_before_joins_the_bank(workshop: Workshop) -> 
     made = workshop.train(workshop.round())
     assert made.bank == (*BANK, "grab the ham")
     record = workshop.base.model_copy(
-        update={"number": 1, "bank": made.bank, "tensors": made.tensors}
+        update={
+            "number": 1,
+            "bank": made.bank,
+            "tensors": made.tensors,
+            "settings": made.settings,
+        }
     )
     assert open_version(record, workshop.files).bank.phrases == made.bank
 

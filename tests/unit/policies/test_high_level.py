@@ -37,7 +37,10 @@ def agreement(policy: HighLevel, examples: Examples) -> float:
         *earlier, now = examples.looks[row]
         past = [examples.images[moment] for moment in earlier if moment >= 0]
         seen = observation(
-            examples.images[now], examples.previous[row], examples.prompts[row], examples.senses[row]
+            examples.images[now],
+            examples.previous[row],
+            examples.prompts[row],
+            examples.senses[row],
         )
         hits += policy.propose(seen, past)[0].goal.text == label
     return hits / len(examples)
@@ -95,7 +98,9 @@ def test_tensors_that_were_not_announced_are_refused() -> None:
 
 def test_settings_of_another_network_are_refused() -> None:
     policy = high_level()
-    other = announcement(policy).model_copy(update={"settings": {"history": 2, "looks": 4, "words": ""}})
+    other = announcement(policy).model_copy(
+        update={"settings": {"history": 2, "looks": 4, "words": ""}}
+    )
     with pytest.raises(PolicyError, match="no high level"):
         HighLevel.build(other, policy.tensors())
 
@@ -112,7 +117,9 @@ def test_both_heads_learn_what_corrections_say() -> None:
 def test_what_the_arms_feel_and_the_prompt_says_is_learned() -> None:
     kinds = np.random.default_rng(0).integers(0, 3, 60)
     felt = replace(
-        coloured(60), images=np.zeros((60, 2, 64, 64, 3), np.uint8), labels=[COMMANDS[k] for k in kinds]
+        coloured(60),
+        images=np.zeros((60, 2, 64, 64, 3), np.uint8),
+        labels=[COMMANDS[k] for k in kinds],
     )
     felt.senses[:, 3] = kinds - 1.0
     asked = replace(felt, senses=np.zeros((60, 22), np.float32))
