@@ -12,6 +12,9 @@ from shared.workcell.tasks import TASKS
 from shared.workcell.tasks.task import Brief, Task
 
 PATIENCE_DECISIONS = 7
+WRONG_DECISIONS = 6
+"""A wrong stretch is as long as this at most: longer than the history that a high level is shown,
+so that it also learns to leave what it said four times over."""
 
 
 class Commander(Protocol):
@@ -25,7 +28,7 @@ class Commander(Protocol):
 class TaskCommander:
     """The oracle of a task, which now and then says something wrong for a while.
 
-    slips: chance that a decision begins a wrong stretch of 1 to 3 decisions.
+    slips: chance that a decision begins a wrong stretch of some decisions.
     """
 
     def __init__(
@@ -52,7 +55,7 @@ class TaskCommander:
         if self._wrong_left == 0 and self._rng.random() < self._slips:
             possible = [skill.text for skill in SKILLS if skills.possible(skill, state)]
             self._wrong = str(self._rng.choice(possible))
-            self._wrong_left = int(self._rng.integers(1, 4))
+            self._wrong_left = int(self._rng.integers(1, 1 + WRONG_DECISIONS))
         if self._wrong_left == 0:
             return ""
         self._wrong_left -= 1
