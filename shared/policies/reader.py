@@ -39,8 +39,7 @@ class Reader:
     object that each is about, -1 for none. phrases: the canonical text of each command among them.
     owners: [P] the command of each phrase, -1 for what is to be refused.
     vectors: [P, D] float32, unit length.
-    threshold: least score of what is not refused. doubt: how much nearer than any command a phrase
-    must be to what is to be refused, for that to count.
+    threshold: least score of what is not refused.
     """
 
     def __init__(
@@ -52,12 +51,11 @@ class Reader:
         owners: NDArray[np.int64],
         vectors: Floats,
         threshold: float,
-        doubt: float,
         family: GoalFamily,
     ) -> None:
         self.commands, self.verbs, self.things = tuple(commands), verbs, things
         self._phrases, self._owners, self._vectors = tuple(phrases), owners, vectors
-        self._threshold, self._doubt, self._family = threshold, doubt, family
+        self._threshold, self._family = threshold, family
         self._exact = {
             _plain(text): int(owner)
             for text, owner in zip(phrases, owners, strict=True)
@@ -76,7 +74,7 @@ class Reader:
             return Reading(known, scores)
         possible = np.where(self.possible(there), scores, -1.0)
         best = int(possible.argmax())
-        clear = possible[best] >= max(self._threshold, strange - self._doubt)
+        clear = possible[best] >= max(self._threshold, strange)
         return Reading(best if clear else None, scores)
 
     def possible(self, there: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -110,7 +108,7 @@ class Reader:
             "reader.phrases": as_bytes(list(self._phrases)),
             "reader.owners": self._owners,
             "reader.vectors": self._vectors.astype(np.float16),
-            "reader.limits": np.array([self._threshold, self._doubt], np.float32),
+            "reader.threshold": np.array([self._threshold], np.float32),
         }
 
 
@@ -121,7 +119,6 @@ def restore(tensors: Tensors, family: GoalFamily) -> Reader:
         PolicyError: they hold none.
     """
     try:
-        threshold, doubt = (float(limit) for limit in tensors["reader.limits"])
         return Reader(
             as_texts(tensors["reader.commands"]),
             tensors["reader.verbs"],
@@ -129,8 +126,7 @@ def restore(tensors: Tensors, family: GoalFamily) -> Reader:
             as_texts(tensors["reader.phrases"]),
             tensors["reader.owners"],
             tensors["reader.vectors"].astype(np.float32),
-            threshold,
-            doubt,
+            float(tensors["reader.threshold"][0]),
             family,
         )
     except KeyError as error:

@@ -26,8 +26,8 @@ def low_level(scale: Scale, seed: int, data_sha256: str) -> Card:
         date=DATE,
         recipe=(
             "The scripted expert worked in the lab, on both tables, in random chains of skills and "
-            "in tasks, some things missing and the plate pushed aside in part of the episodes, with "
-            "shaky arms, hands that slip (0.3 % of steps) and 5 % wrong commands.",
+            "in tasks; at times things were missing or the plate stood elsewhere; arms were "
+            "shaky, hands slipped (0.3 % of steps), and 5 % of commands were wrong.",
             f"In later rounds the network drove for up to 50 steps and the expert took over "
             f"(DAgger); in all {len(scale.low)} rounds and {practice:,} steps of the expert.",
             f"The network regressed chunks of 10 steps, {updates:,} updates of 1,024 rows (a "

@@ -28,10 +28,8 @@ EXECUTED = 5
 LATE_WEIGHT = 0.3
 GRIP_WEIGHT = 0.5
 DONE_WEIGHT = 0.1
-THRESHOLD = 0.5
+THRESHOLD = 0.4
 """Least cosine of a phrase to one that is known."""
-DOUBT = 0.05
-"""A phrase is refused where one of those to be refused is nearer by more than this."""
 AVERAGE = 0.999
 PORTION = 4096
 
@@ -171,7 +169,6 @@ def known_words(most: int | None = None) -> Reader:
         np.array(owners),
         family.embed(tuple(LanguageGoal(text=text) for text in texts)),
         THRESHOLD,
-        DOUBT,
         family,
     )
 

@@ -57,7 +57,7 @@ def words(threshold: float = 0.9) -> Reader:
     phrases, owners = (*commands, "grab the cheese"), np.array([0, 1, 2, 3, 0])
     vectors = Letters().embed(tuple(Goal(text=text) for text in phrases))
     verbs, things = np.array([0, 1, 4, 5]), np.array([2, 15, -1, -1])
-    return Reader(commands, verbs, things, phrases, owners, vectors, threshold, 0.05, Letters())
+    return Reader(commands, verbs, things, phrases, owners, vectors, threshold, Letters())
 
 
 def senses(seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
