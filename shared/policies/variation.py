@@ -18,7 +18,7 @@ class Variation(Settings):
     sense_noise: on each number of the proprioception, in rad or m.
     """
 
-    history_dropout: Share = 0.3
+    history_dropout: Share = 0.5
     look_dropout: Share = 0.2
     shift_px: Annotated[int, Field(ge=0, le=16)] = 3
     brightness: Share = 0.12

@@ -51,6 +51,8 @@ def low_level(scale: Scale, seed: int, data_sha256: str) -> Card:
 
 def high_level(scale: Scale, seed: int, data_sha256: str, policy: HighLevel) -> Card:
     """Of the base of the high level, before it was examined."""
+    updates = sum(round_.updates for round_ in scale.high)
+    driven = sum(round_.driven for round_ in scale.high)
     return Card(
         name="high-level",
         title="High level of the simulated ALOHA cell, base",
@@ -59,12 +61,14 @@ def high_level(scale: Scale, seed: int, data_sha256: str, policy: HighLevel) -> 
         recipe=(
             *_demonstrated(scale),
             "A network that sees eighteen slots, reads the prompt word by word, feels its arms and "
-            f"looks back three times was trained from scratch, {scale.high_updates:,} updates of "
+            f"looks back three times was trained from scratch, {updates:,} updates of "
             f"{scale.high_batch} decisions; its bank head puts the meaning of the right command "
-            "nearest among the twenty, its text head says it word by word. 30 % of histories and "
+            "nearest among the twenty, its text head says it word by word. 50 % of histories and "
             "20 % of earlier looks were hidden, single ones of the others too.",
-            f"Two more losses shaped it, on where each body is and on what {scale.prompts:,} drawn "
-            "prompts mean for each thing; their weights are not kept.",
+            f"Two more losses shaped it, on where each body is and on what {scale.prompts:,} prompts "
+            "mean for each thing; their weights are not kept.",
+            f"In {driven:,} episodes more, between its {len(scale.high)} rounds, it said itself what "
+            "was done in most decisions, and learned what the task's oracle would have said.",
         ),
         command=_command(scale, seed),
         seed=seed,

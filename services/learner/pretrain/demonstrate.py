@@ -15,8 +15,10 @@ from safetensors.numpy import load_file, save_file
 from services.learner.pretrain.commander import TaskCommander
 from services.learner.pretrain.practice import DECISION_STEPS, Noise
 from shared.evaluation.hand import Hand
+from shared.messages.observation import Observation
 from shared.policies import examples
 from shared.policies.examples import Examples
+from shared.policies.high_level import HighLevel
 from shared.policies.low_level import LowLevel
 from shared.workcell import expert, skills
 from shared.workcell.env import WorkcellEnv, proprioception
@@ -34,6 +36,10 @@ LENGTHS = (4, 6, 8, 10, 12)
 """Skills of the other episodes."""
 CONSTRAINTS = 0.4
 MANNERS = ("plain", "plain", "polite", "chatty")
+DRIVEN = 0.8
+"""Share of decisions that are a driver's; the others help it out where it is stuck."""
+NOTHING = np.zeros((len(BODY_NAMES), 9), np.float32)
+"""The objects of an observation, which no high level looks at."""
 EARLY = 0.15
 """Share of decisions that come before it is time, as they do where a command was achieved."""
 
@@ -43,13 +49,16 @@ class Lesson:
     """What one process shall demonstrate.
 
     seeds: one episode each. low_level: folder of the checkpoint that moves the arms; None: the
-    expert does. mistakes: chance that a decision begins a wrong stretch. slips: chance that a
-    holding hand opens in a control step.
+    expert does. mistakes: chance that a decision begins a wrong stretch.
+    driver: folder of the high level that says what is done in most decisions; None: the task's
+    oracle does, mistakes aside. The labels are the oracle's always.
+    slips: chance that a holding hand opens in a control step.
     """
 
     seeds: tuple[int, ...]
     low_level: Path | None = None
     mistakes: float = 0.05
+    driver: Path | None = None
     slips: float = 0.002
 
 
@@ -121,6 +130,15 @@ class _Record:
         self.positions.append(env.state.positions * env.state.present[:, None])
         self.episodes.append(seed)
 
+    def answer(self, driver: HighLevel) -> str:
+        """What a high level would say at the last decision."""
+        arrays = {"images": self.images[-1], "proprioception": self.senses[-1], "objects": NOTHING}
+        seen = Observation(
+            step=0, prompt=self.prompts[-1], previous=self.previous[-1], arrays=arrays
+        )
+        past = [self.images[row] for row in self.looks[-1][:-1] if row >= 0]
+        return driver.propose(seen, past)[0].goal.text
+
     def done(self) -> Demonstrations:
         made = Examples(
             np.stack(self.images),
@@ -140,9 +158,10 @@ def demonstrate(lesson: Lesson) -> Demonstrations:
     lab = Site(name="lab", slip_rate=lesson.slips)
     env = WorkcellEnv(lab)
     low_level = LowLevel.load(lesson.low_level) if lesson.low_level else None
+    driver = HighLevel.load(lesson.driver) if lesson.driver else None
     record = _Record()
     for seed in lesson.seeds:
-        _episode(env, seed, lesson, low_level, record)
+        _episode(env, seed, lesson, low_level, driver, record)
     env.close()
     return record.done()
 
@@ -154,7 +173,12 @@ def draw(rng: np.random.Generator) -> Draw:
 
 
 def _episode(
-    env: WorkcellEnv, seed: int, lesson: Lesson, low_level: LowLevel | None, record: _Record
+    env: WorkcellEnv,
+    seed: int,
+    lesson: Lesson,
+    low_level: LowLevel | None,
+    driver: HighLevel | None,
+    record: _Record,
 ) -> None:
     rng = np.random.default_rng([seed, 1])
     env.draw = draw(rng)
@@ -169,6 +193,8 @@ def _episode(
             due += int(rng.integers(6, DECISION_STEPS)) if early else DECISION_STEPS
             command = commander.command(env.state) or skills.WAIT
             record.add(env, seed, said, commander.right)
+            if driver and rng.random() < DRIVEN:
+                command = commander.previous = record.answer(driver)
             said.append(command)
             if hand:
                 hand.obey(command)

@@ -16,7 +16,7 @@ from services.learner.pretrain.demonstrate import ABSENT, Demonstrations, Lesson
 from services.learner.pretrain.low_fit import LowFitSettings, Rows, fit_low, measures
 from services.learner.pretrain.practice import Steps, practise
 from services.learner.pretrain.replay import choose
-from services.learner.pretrain.scale import LowRound, Scale
+from services.learner.pretrain.scale import HighRound, LowRound, Scale
 from services.learner.pretrain.stages import Pretraining
 from shared.policies import checkpoint, examples
 from shared.policies.geometry import Geometry
@@ -31,9 +31,8 @@ TINY = Scale(
     expert_episodes=1,
     learned_episodes=1,
     validation_episodes=1,
-    high_updates=3,
+    high=(HighRound(driven=0, updates=3), HighRound(driven=1, updates=2)),
     high_batch=8,
-    high_lr=1e-3,
     prompts=6,
     replay=60,
     chains=1,
@@ -162,13 +161,18 @@ def test_stages_are_kept_and_not_done_twice(tmp_path: Path) -> None:
     run = Pretraining(tmp_path, TINY, 0, first, ledger)
     low_level = run.low_level()
     lessons = run.demonstrations(low_level)
-    high_level, replay = run.high_level(lessons), run.replay(lessons)
-    assert {"practice 0", "low level 1", "high level"} <= set(ledger.told)
-    assert ledger.told["high level"][-1] == TINY.high_updates
+    high_level, replay = run.high_level(lessons, low_level), run.replay(lessons)
+    assert {"practice 0", "low level 1", "high level 1"} <= set(ledger.told)
+    assert ledger.told["high level 1"] == [2, 1, 2, 2]
+    driven = Demonstrations.load(tmp_path / "demonstrations-driven-1.safetensors").examples
+    said = [past[-1] for past in driven.previous[1:]]
+    assert (
+        sum(one != right for one, right in zip(said, driven.labels, strict=False)) > len(said) / 2
+    )
 
     second = Here()
     again = Pretraining(tmp_path, TINY, 0, second, Ledger())
-    assert again.high_level(again.demonstrations(again.low_level())) == high_level
+    assert again.high_level(again.demonstrations(low_level), again.low_level()) == high_level
     assert second.jobs == 0
     assert LowLevel.load(low_level).sha256 == checkpoint.load_card(low_level).tensors_sha256
     assert HighLevel.load(high_level).bank.phrases == COMMANDS
