@@ -18,7 +18,7 @@ from shared.messages.policy import PolicyAnnouncement, Version
 from shared.policies import checkpoint
 from shared.policies.checkpoint import Setting, Tensors
 from shared.policies.examples import PIXELS
-from shared.policies.high_net import VIEWS, Answer, HighLevelNet, Question
+from shared.policies.high_net import SENSES, VIEWS, Answer, HighLevelNet, Question
 from shared.policies.reading import halved, past_vectors, read_words
 from shared.policies.wishes import Words
 
@@ -91,6 +91,9 @@ class HighLevel:
         From the bank's head all phrases of the bank; from the text head the most probable phrases
         that it can make, whose probabilities sum to at most 1.
         past: earlier looks, as in `rollout.robot.HighLevel`; the last ones are used, and fewer do.
+
+        Raises:
+            PolicyError: the observation has another number of views or senses.
         """
         with torch.inference_mode():
             answer = self.net(self._question(observation, past))
@@ -110,13 +113,18 @@ class HighLevel:
 
     def _question(self, observation: Observation, past: Sequence[NDArray[np.uint8]]) -> Question:
         images = np.ascontiguousarray(observation.arrays["images"])
+        senses = np.array(observation.arrays["proprioception"], np.float32)
+        if (len(images), *senses.shape) != (VIEWS, SENSES):
+            raise PolicyError(
+                f"this high level sees {VIEWS} views and feels {SENSES} numbers; it was shown "
+                f"{len(images)} views and proprioception of shape {senses.shape}"
+            )
         looks = [*past, images][-self.net.looks :]
         missing = self.net.looks - len(looks)
         glimpses = np.zeros((missing, VIEWS, PIXELS // 2, PIXELS // 2, 3), np.uint8)
         glimpses = np.concatenate([glimpses, halved(np.stack(looks))])
         seen = np.arange(self.net.looks) >= missing
         previous = past_vectors(self._encoder, [observation.previous], self.net.history)
-        senses = np.array(observation.arrays["proprioception"], np.float32)
         return Question(
             torch.from_numpy(images)[None],
             torch.from_numpy(glimpses)[None],

@@ -65,8 +65,8 @@ def high_level(scale: Scale, seed: int, data_sha256: str, policy: HighLevel) -> 
             f"{scale.high_batch} decisions; its bank head puts the meaning of the right command "
             "nearest among the twenty, its text head says it word by word. 50 % of histories and "
             "20 % of earlier looks were hidden, single ones of the others too.",
-            f"Two more losses shaped it, on where each body is and on what {scale.prompts:,} prompts "
-            "mean for each thing; their weights are not kept.",
+            "Two more losses shaped it, on where each body is and on what their prompts and "
+            f"{scale.prompts:,} more prompts mean for each thing; their weights are not kept.",
             f"In {driven:,} episodes more, between its {len(scale.high)} rounds, it said itself what "
             "was done in most decisions, and learned what the task's oracle would have said.",
         ),

@@ -80,6 +80,12 @@ def test_all_of_the_bank_is_proposed_best_first() -> None:
     assert sum(scores) == pytest.approx(1.0)
 
 
+def test_a_robot_with_other_senses_is_told_so() -> None:
+    seen = observation(coloured(1).images[0], feels=np.zeros(7, np.float32))
+    with pytest.raises(PolicyError, match="feels 22 numbers"):
+        high_level().propose(seen)
+
+
 def test_a_version_is_rebuilt_from_its_announcement_and_tensors() -> None:
     policy = high_level()
     built = HighLevel.build(announcement(policy), policy.tensors())
