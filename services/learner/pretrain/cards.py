@@ -67,7 +67,7 @@ def high_level(scale: Scale, seed: int, data_sha256: str, policy: HighLevel) -> 
             "20 % of earlier looks were hidden, single ones of the others too.",
             "Two more losses shaped it, on where each body is and on what their prompts and "
             f"{scale.prompts:,} more prompts mean for each thing; their weights are not kept.",
-            f"In {driven:,} episodes more, between its {len(scale.high)} rounds, it said itself what "
+            f"In {driven:,} more episodes, between its {len(scale.high)} rounds, it said itself what "
             "was done in most decisions, and learned what the task's oracle would have said.",
         ),
         command=_command(scale, seed),
