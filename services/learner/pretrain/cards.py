@@ -34,7 +34,7 @@ def low_level(scale: Scale, seed: int, data_sha256: str) -> Card:
             "moment and an arm), AdamW with a cosine, averaged weights. It is told the verb and "
             "points at the thing; a second output tells whether the command is achieved.",
             "Phrases are read as the command whose known phrases are nearest as sentence vectors, "
-            "of those that are possible in the scene; two phrases of each command were kept aside.",
+            "of those that are possible in the scene; a quarter of the words was kept aside to measure.",
         ),
         command=_command(scale, seed),
         seed=seed,
@@ -67,8 +67,8 @@ def high_level(scale: Scale, seed: int, data_sha256: str, policy: HighLevel) -> 
             "20 % of earlier looks were hidden, single ones of the others too.",
             "Two more losses shaped it, on where each body is and on what their prompts and "
             f"{scale.prompts:,} more prompts mean for each thing; their weights are not kept.",
-            f"In {driven:,} more episodes, between its {len(scale.high)} rounds, it said itself what "
-            "was done in most decisions, and learned what the task's oracle would have said.",
+            f"In {driven:,} more episodes, between its {len(scale.high)} rounds, it said itself "
+            "what was done in most decisions, and learned what the task's oracle would have said.",
         ),
         command=_command(scale, seed),
         seed=seed,
