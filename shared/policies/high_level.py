@@ -1,5 +1,7 @@
 """The high level: looks, reads the prompt, and proposes what to do next, best first."""
 
+import threading
+from collections import OrderedDict
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
@@ -48,7 +50,8 @@ class HighLevel:
         self._encoder = encoder or shared_encoder()
         self._phrases = torch.tensor(bank.vectors)
         self._goals = tuple(LanguageGoal(text=phrase) for phrase in bank.phrases)
-        self._read: dict[str, Words] = {}
+        self._read: OrderedDict[str, Words] = OrderedDict()
+        self._lock = threading.Lock()
 
     @classmethod
     def load(cls, folder: Path, head: Head = "bank") -> "HighLevel":
@@ -136,13 +139,12 @@ class HighLevel:
 
     def _words(self, prompt: str) -> Words:
         """A prompt's words; an episode asks with the same ones again and again."""
-        words = self._read.get(prompt)
-        if words is None:
-            words = read_words(self._encoder, [prompt])
-            while len(self._read) >= REMEMBERED:
-                self._read.pop(next(iter(self._read)), None)
-            self._read[prompt] = words
-        return words
+        with self._lock:
+            if prompt not in self._read:
+                self._read[prompt] = read_words(self._encoder, [prompt])
+            while len(self._read) > REMEMBERED:
+                self._read.popitem(last=False)
+            return self._read[prompt]
 
     def tensors(self) -> Tensors:
         """Copies of all tensors by name."""
