@@ -1,45 +1,99 @@
-"""Reads a phrase as one of the commands that the low level knows, or refuses it.
+"""Reads a person's phrase as one of the commands that the low level knows, or refuses it.
 
-A phrase means the command whose known phrases are nearest to it as sentence vectors. What lies
-in the scene narrows the choice; what is near to nothing is refused.
+The phrase is taken apart by the states of its words: courtesy is dropped, what to do is told by the
+rest with "it" for the thing and "there" for the place, and thing and place are told by the known
+names that they are most like. What lies in the scene narrows the choice; what is like nothing known,
+or most like what nobody here can do, is refused.
 """
 
 from collections import OrderedDict
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from shared.errors import PolicyError
-from shared.goals.family import Floats, GoalFamily
-from shared.messages.goal import Goal
+from shared.goals.family import Floats
+from shared.policies import likeness
 from shared.policies.checkpoint import Tensors
 from shared.policies.examples import as_bytes, as_texts
+from shared.policies.likeness import Likeness
+from shared.policies.phrase import Parts, plain, take_apart, words_of
 
 NEAREST = 3
 REMEMBERED = 4096
+ACTS = ("pick", "put", "plate", "bin", "tub", "down", "wait", "refuse")
+"""What a phrase may ask for; to put something somewhere is told further by the place."""
+PLACES = ("plate", "bin", "tub", "down")
+THINGS = 15
+PUTS = THINGS + np.arange(len(PLACES))  # Rows of the commands that put, in the order of PLACES.
+WAIT_ROW = THINGS + len(PLACES)
+ABSENT = 2.0
+"""By so much less likely, in logits, a thing is meant that isn't in the scene."""
+LEAST = 0.5
+"""A command that is less probable is refused."""
+SMALL_WORDS = (
+    "not", "don't", "do", "never", "no", "up", "down", "back", "away", "off", "out", "on", "in",
+    "over", "and", "or", "both", "it", "there", "hand", "where", "what", "who", "why", "how", "is",
+    "are", "you", "me", "it's",
+)  # fmt: skip
+"""Words that turn the meaning of a frame and hardly its sentence vector."""
+FRAME_SCALE = 5.0
+"""Frames' vectors are unit length; this makes them weigh like the small words."""
+
+
+class Sentences(Protocol):
+    """Reads sentences; the encoder of `shared.goals.language` is one."""
+
+    def embed(self, sentences: Iterable[str]) -> Floats:
+        """Unit vectors, [N, D] float32."""
+        ...
+
+    def states(self, sentence: str) -> Floats:
+        """What each of its words means where it stands, [W, S] float32."""
+        ...
 
 
 class Reading(NamedTuple):
     """What a phrase was taken for.
 
-    command: row of the command, None where it was refused. scores: [C] float32 in [-1, 1], of each
-    command, whether possible or not.
+    command: row of the command, None where it was refused. scores: [C] float32 in [0, 1], of each
+    command its probability.
     """
 
     command: int | None
     scores: Floats
 
 
-class Reader:
-    """Knows C commands by P phrases. Pure; remembers what it read.
+class Linear(NamedTuple):
+    """weights [N, D] float32, bias [N] float32."""
 
-    commands: their canonical texts. verbs: [C] rows of `low_net.VERBS`. things: [C] the row of the
-    object that each is about, -1 for none. phrases: the canonical text of each command among them.
-    owners: [P] the command of each phrase, -1 for what is to be refused.
-    vectors: [P, D] float32, unit length.
-    threshold: least score of what is not refused.
+    weights: Floats
+    bias: Floats
+
+    def __call__(self, x: Floats) -> Floats:
+        """Logits [..., N] of [..., D]."""
+        answer: Floats = x @ self.weights.T + self.bias
+        return answer
+
+
+class _Taken(NamedTuple):
+    """A phrase as understood without its scene: logits of acts [8], of each thing [15 + 1] and
+    each place [4 + 1] that it names."""
+
+    acts: Floats
+    things: tuple[Floats, ...]
+    places: tuple[Floats, ...]
+
+
+class Reader:
+    """Knows twenty commands. Pure; remembers what it read.
+
+    commands: their canonical texts. verbs: [20] rows of `low_net.VERBS`. things: [20] the row of
+    the body that each is about, -1 for none.
+    parts: tells the part of each word, of `beside` its states and its neighbours'. acts: tells what
+    is asked for, of a frame's `frame_features`. names, places: known names of things and places.
     """
 
     def __init__(
@@ -47,35 +101,29 @@ class Reader:
         commands: Sequence[str],
         verbs: NDArray[np.int64],
         things: NDArray[np.int64],
-        phrases: Sequence[str],
-        owners: NDArray[np.int64],
-        vectors: Floats,
-        threshold: float,
-        family: GoalFamily,
+        parts: Linear,
+        acts: Linear,
+        names: Likeness,
+        places: Likeness,
+        encoder: Sentences,
     ) -> None:
         self.commands, self.verbs, self.things = tuple(commands), verbs, things
-        self._phrases, self._owners, self._vectors = tuple(phrases), owners, vectors
-        self._threshold, self._family = threshold, family
-        self._exact = {
-            _plain(text): int(owner)
-            for text, owner in zip(phrases, owners, strict=True)
-            if owner >= 0
-        }
-        self._seen: OrderedDict[str, tuple[Floats, float]] = OrderedDict()
+        self._parts, self._acts, self._names, self._places = parts, acts, names, places
+        self._encoder = encoder
+        self._seen: OrderedDict[str, _Taken] = OrderedDict()
 
     def read(self, text: str, there: NDArray[np.bool_]) -> Reading:
-        """The command that a phrase means among those that are possible.
+        """The command that a phrase means, which may be about what is missing in the scene.
 
         there: [18] bool, what is in the scene.
         """
-        scores, strange = self._scores(text)
-        known = self._exact.get(_plain(text))
-        if known is not None:
-            return Reading(known, scores)
-        possible = np.where(self.possible(there), scores, -1.0)
-        best = int(possible.argmax())
-        clear = possible[best] >= max(self._threshold, strange)
-        return Reading(best if clear else None, scores)
+        said = plain(text).rstrip(".!")
+        if said in self.commands:
+            row = self.commands.index(said)
+            return Reading(row, np.eye(len(self.commands), dtype=np.float32)[row])
+        scores = self._scores(self._taken(said), there)
+        best = int(scores.argmax())
+        return Reading(best if scores[best] >= LEAST else None, scores)
 
     def possible(self, there: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """[C] Which commands are about nothing that is missing."""
@@ -85,19 +133,45 @@ class Reader:
 
     def nearest(self, scores: Floats, there: NDArray[np.bool_]) -> list[tuple[str, float]]:
         """The commands that a phrase is nearest to, and are possible, with their scores."""
-        order = np.argsort(-np.where(self.possible(there), scores, -2.0), kind="stable")
+        order = np.argsort(-np.where(self.possible(there), scores, -1.0), kind="stable")
         return [(self.commands[row], float(scores[row])) for row in order[:NEAREST]]
 
-    def _scores(self, text: str) -> tuple[Floats, float]:
-        """Of each command its nearest phrase's cosine, and the nearest of those to be refused."""
-        if text not in self._seen:
-            vector = self._family.embed((Goal(text=text),))[0]
-            best = np.full(len(self.commands) + 1, -1.0, np.float32)
-            np.maximum.at(best, self._owners, self._vectors @ vector)  # -1 is the last one.
-            self._seen[text] = best[:-1], float(best[-1])
+    def apart(self, text: str) -> Parts:
+        """The phrase taken apart."""
+        words = words_of(text)
+        if not words:
+            return Parts("", (), ())
+        parts = self._parts(beside(self._encoder.states(plain(text)))).argmax(-1)
+        return take_apart(words, [int(part) for part in parts])
+
+    def _taken(self, said: str) -> _Taken:
+        if said not in self._seen:
+            self._seen[said] = self._take(self.apart(said))
             while len(self._seen) > REMEMBERED:
                 self._seen.popitem(last=False)
-        return self._seen[text]
+        return self._seen[said]
+
+    def _take(self, parts: Parts) -> _Taken:
+        texts = (parts.frame, *parts.things, *parts.places)
+        vectors = self._encoder.embed(texts)
+        rest = list(zip(texts, vectors, strict=True))[1:]
+        return _Taken(
+            self._acts(frame_features(parts.frame, vectors[0])),
+            tuple(self._names.logits(*one) for one in rest[: len(parts.things)]),
+            tuple(self._places.logits(*one) for one in rest[len(parts.things) :]),
+        )
+
+    def _scores(self, taken: _Taken, there: NDArray[np.bool_]) -> Floats:
+        """[C] Probability of each command; what is left is that of a refusal."""
+        acts = dict(zip(ACTS, softmax(taken.acts), strict=True))
+        missing = np.append(np.where(there[:THINGS], 0.0, ABSENT), 0.0).astype(np.float32)
+        things = agreed([softmax(logits - missing) for logits in taken.things], THINGS)
+        places = agreed([softmax(logits) for logits in taken.places], len(PLACES))
+        scores = np.zeros(len(self.commands), np.float32)
+        scores[:THINGS] = acts["pick"] * things
+        scores[PUTS] = acts["put"] * places + [acts[place] for place in PLACES]
+        scores[WAIT_ROW] = acts["wait"]
+        return scores
 
     def tensors(self) -> Tensors:
         """All that `restore` needs, by name."""
@@ -105,14 +179,16 @@ class Reader:
             "reader.commands": as_bytes(list(self.commands)),
             "reader.verbs": self.verbs,
             "reader.things": self.things,
-            "reader.phrases": as_bytes(list(self._phrases)),
-            "reader.owners": self._owners,
-            "reader.vectors": self._vectors.astype(np.float16),
-            "reader.threshold": np.array([self._threshold], np.float32),
+            "reader.parts.weights": self._parts.weights,
+            "reader.parts.bias": self._parts.bias,
+            "reader.acts.weights": self._acts.weights,
+            "reader.acts.bias": self._acts.bias,
+            **self._names.tensors("reader.names"),
+            **self._places.tensors("reader.places"),
         }
 
 
-def restore(tensors: Tensors, family: GoalFamily) -> Reader:
+def restore(tensors: Tensors, encoder: Sentences) -> Reader:
     """The reader among the tensors of a low level.
 
     Raises:
@@ -123,15 +199,40 @@ def restore(tensors: Tensors, family: GoalFamily) -> Reader:
             as_texts(tensors["reader.commands"]),
             tensors["reader.verbs"],
             tensors["reader.things"],
-            as_texts(tensors["reader.phrases"]),
-            tensors["reader.owners"],
-            tensors["reader.vectors"].astype(np.float32),
-            float(tensors["reader.threshold"][0]),
-            family,
+            Linear(tensors["reader.parts.weights"], tensors["reader.parts.bias"]),
+            Linear(tensors["reader.acts.weights"], tensors["reader.acts.bias"]),
+            likeness.restore(tensors, "reader.names"),
+            likeness.restore(tensors, "reader.places"),
+            encoder,
         )
     except KeyError as error:
         raise PolicyError(f"these tensors hold no reader: {error} is missing") from None
 
 
-def _plain(text: str) -> str:
-    return " ".join(text.lower().split()).rstrip(".!")
+def beside(states: Floats) -> Floats:
+    """[W, 3 S]: each word's state [W, S], that of the word before and that of the word after."""
+    none = np.zeros_like(states[:1])
+    before, after = np.concatenate([none, states[:-1]]), np.concatenate([states[1:], none])
+    return np.concatenate([states, before, after], -1)
+
+
+def frame_features(frame: str, vector: Floats) -> Floats:
+    """[D + small words]: a frame's sentence vector [D] and which small words are in it."""
+    words = set(frame.split())
+    small = [float(word in words) for word in SMALL_WORDS]
+    return np.concatenate([vector * FRAME_SCALE, small]).astype(np.float32)
+
+
+def agreed(named: Sequence[Floats], count: int) -> Floats:
+    """[count] What all that is named may be, each [count + 1]; nothing, if nothing is named."""
+    if not named:
+        return np.zeros(count, np.float32)
+    least: Floats = np.min(np.stack(named), axis=0)[:count]
+    return least
+
+
+def softmax(logits: Floats) -> Floats:
+    """Probabilities of logits [N]."""
+    grown = np.exp(logits - logits.max())
+    answer: Floats = grown / grown.sum()
+    return answer

@@ -17,13 +17,21 @@ EPSILON = 1e-12
 
 def embed(tensors: Tensors, tokens: Tensor, mask: Tensor) -> Tensor:
     """Unit vectors [B, D] float32 of padded word pieces [B, T] int64; mask [B, T] bool."""
-    x = _read(tensors, tokens)
-    layer = 0
-    while f"encoder.layer.{layer}.output.dense.weight" in tensors:
-        x = _layer(tensors, f"encoder.layer.{layer}.", x, mask)
-        layer += 1
-    kept = mask.unsqueeze(-1).to(x.dtype)
-    mean = (x * kept).sum(1) / kept.sum(1)
+    return pool(states(tensors, tokens, mask)[-1], mask)
+
+
+def states(tensors: Tensors, tokens: Tensor, mask: Tensor) -> list[Tensor]:
+    """What every layer makes of each word piece, [B, T, D] each; the first is of no layer yet."""
+    found = [_read(tensors, tokens)]
+    while f"encoder.layer.{len(found) - 1}.output.dense.weight" in tensors:
+        found.append(_layer(tensors, f"encoder.layer.{len(found) - 1}.", found[-1], mask))
+    return found
+
+
+def pool(last: Tensor, mask: Tensor) -> Tensor:
+    """Unit vectors [B, D] of the last layer's states [B, T, D]."""
+    kept = mask.unsqueeze(-1).to(last.dtype)
+    mean = (last * kept).sum(1) / kept.sum(1)
     return F.normalize(mean, dim=-1)
 
 

@@ -3,9 +3,10 @@
 Both levels read commands through it, so that a new phrase needs no new weights.
 """
 
+import re
 import threading
 from collections import OrderedDict
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 import torch
@@ -19,6 +20,10 @@ from shared.messages.goal import Goal
 WIDTH = 384
 MAX_PIECES = 64
 REMEMBERED = 4096
+BATCH = 64
+STATES = (2, 4)
+"""The layers whose states tell what part a word plays."""
+WORD = re.compile(r"[a-z0-9]+(?:['-][a-z0-9]+)*")
 
 
 class Encoder:
@@ -41,7 +46,7 @@ class Encoder:
         Raises:
             PolicyError: the encoder's wheel is missing or not the pinned one.
         """
-        texts = [" ".join(sentence.lower().split()) for sentence in sentences]
+        texts = [_plain(sentence) for sentence in sentences]
         if not texts:
             return np.zeros((0, WIDTH), np.float32)
         with self._lock:
@@ -63,17 +68,69 @@ class Encoder:
         while len(self._seen) > REMEMBERED:
             self._seen.popitem(last=False)
 
+    def states(self, sentence: str) -> Floats:
+        """What each word of a sentence means where it stands, [W, 768] float32.
+
+        Words are runs of letters and digits; what hangs on an apostrophe or a hyphen belongs to
+        its word. The states of two layers side by side, the mean over a word's pieces.
+
+        Raises:
+            PolicyError: as `embed`.
+        """
+        return self.study([sentence])[1][0]
+
+    def study(self, sentences: Sequence[str]) -> tuple[Floats, list[Floats]]:
+        """Many at once, to learn from: `embed` [N, 384] and the `states` of each.
+
+        Four times faster than one by one, remembers nothing, and the last digits may differ.
+        """
+        vectors = np.zeros((len(sentences), WIDTH), np.float32)
+        told: list[Floats] = [np.zeros((0, 0), np.float32)] * len(sentences)
+        texts = [_plain(sentence) for sentence in sentences]
+        with self._lock, torch.inference_mode():
+            pieces = [self._load().encode(text) for text in texts]
+            order = sorted(range(len(texts)), key=lambda row: len(pieces[row].ids))
+            for first in range(0, len(order), BATCH):
+                rows = order[first : first + BATCH]
+                tokens, mask = bert.as_batch([pieces[row].ids for row in rows])
+                found = bert.states(self._tensors, tokens, mask)
+                vectors[rows] = bert.pool(found[-1], mask).numpy()
+                seen = torch.cat([found[layer] for layer in STATES], -1)
+                for at, row in enumerate(rows):
+                    owners = _owners(texts[row], pieces[row].offsets)
+                    told[row] = (owners @ seen[at, : owners.shape[1]]).numpy()
+        return vectors, told
+
     def _read(self, text: str) -> Floats:
+        tokenizer = self._load()
+        with torch.inference_mode():
+            batch = bert.as_batch([tokenizer.encode(text).ids])
+            vector: Floats = bert.embed(self._tensors, *batch)[0].numpy()
+        vector.setflags(write=False)
+        return vector
+
+    def _load(self) -> Tokenizer:
         if self._tokenizer is None:
             self._tokenizer = Tokenizer.from_file(str(weights.tokenizer_file()))
             self._tokenizer.no_padding()
             self._tokenizer.enable_truncation(MAX_PIECES)
             self._tensors = load_file(weights.weights_file())
-        with torch.inference_mode():
-            batch = bert.as_batch([self._tokenizer.encode(text).ids])
-            vector: Floats = bert.embed(self._tensors, *batch)[0].numpy()
-        vector.setflags(write=False)
-        return vector
+        return self._tokenizer
+
+
+def _plain(sentence: str) -> str:
+    return " ".join(sentence.lower().split())
+
+
+def _owners(text: str, offsets: list[tuple[int, int]]) -> torch.Tensor:
+    """[W, T] float32: of each word the shares of its pieces; a word cut off has none."""
+    words = [found.span() for found in WORD.finditer(text)]
+    shares = torch.zeros(len(words), len(offsets))
+    for column, (begin, end) in enumerate(offsets):
+        for row, (first, last) in enumerate(words):
+            if begin < end and begin >= first and end <= last:
+                shares[row, column] = 1.0
+    return shares / shares.sum(1, keepdim=True).clamp(min=1.0)
 
 
 class LanguageFamily:

@@ -1,0 +1,232 @@
+"""Teaches the reader a lexicon: which part each word plays, what is asked for, which names are like
+which. The sentence encoder stays as it is; everything that is learned is linear.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+from torch.nn import functional as F
+
+from services.learner.pretrain.lexicon import Lexicon
+from services.learner.pretrain.words import Said, Speaker
+from shared.config import Settings
+from shared.goals.family import Floats
+from shared.goals.language.encoder import Encoder, shared_encoder
+from shared.policies.likeness import FEATURES, Likeness
+from shared.policies.low_net import VERBS
+from shared.policies.phrase import PARTS, take_apart, words_of
+from shared.policies.reader import (
+    ACTS,
+    PLACES,
+    Linear,
+    Reader,
+    beside,
+    frame_features,
+)
+from shared.workcell.objects import BODY_NAMES, KITCHEN, OBJECT_NAMES, TABLE
+from shared.workcell.skills import COMMANDS, SKILLS
+
+Rows = NDArray[np.int64]
+
+
+class ReaderFitSettings(Settings):
+    """phrases: drawn to learn from. seed: of what is drawn. *_decay: how small weights are kept."""
+
+    phrases: int = 6_000
+    seed: int = 0
+    parts_decay: float = 1e-2
+    acts_decay: float = 1e-3
+    likeness_decay: float = 1e-3
+
+
+@dataclass(frozen=True)
+class _Named:
+    """Known names: texts, their class (the last: none of them), and the group each is of."""
+
+    texts: list[str]
+    owners: Rows
+    groups: Rows
+
+
+def fit_reader(
+    lexicon: Lexicon, settings: ReaderFitSettings, encoder: Encoder | None = None
+) -> Reader:
+    """A reader that was taught a lexicon and the canonical commands."""
+    encoder = encoder or shared_encoder()
+    rng = np.random.default_rng(settings.seed)
+    said = drawn(Speaker(lexicon, lexicon, lexicon, rng), settings.phrases, rng)
+    parts, guessed = _fit_parts(said, settings, encoder)
+    needs = [skill.object or skill.verb for skill in SKILLS]
+    return Reader(
+        COMMANDS,
+        np.array([VERBS.index(skill.verb) for skill in SKILLS]),
+        np.array([BODY_NAMES.index(name) if name in BODY_NAMES else -1 for name in needs]),
+        parts,
+        _fit_acts(said, guessed, settings, encoder),
+        _fit_names(lexicon, settings, encoder),
+        _fit_places(lexicon, settings, encoder),
+        encoder,
+    )
+
+
+def drawn(speaker: Speaker, count: int, rng: np.random.Generator) -> list[Said]:
+    """Phrases of all kinds; half of them with courtesy or protest, some with a slip."""
+
+    def thing() -> str:
+        return str(rng.choice(OBJECT_NAMES))
+
+    kinds: list[tuple[float, Callable[[], Said]]] = [
+        (0.30, lambda: speaker.pick(thing())),
+        (0.10, lambda: speaker.contrasted(thing(), thing())),
+        (0.20, lambda: speaker.put(str(rng.choice(PLACES)))),
+        (0.07, lambda: speaker.put(str(rng.choice(PLACES)), thing())),
+        (0.06, speaker.wait),
+        (0.06, speaker.unknown_thing),
+        (0.09, lambda: speaker.unknown_act(thing())),
+        (0.05, lambda: speaker.unknown_place(thing() if rng.random() < 0.3 else "")),
+        (0.07, speaker.chat),
+        (0.05, lambda: speaker.two(thing(), thing())),
+    ]
+    shares = np.array([share for share, _ in kinds])
+    said = []
+    for kind in rng.choice(len(kinds), size=count, p=shares / shares.sum()):
+        one = kinds[kind][1]()
+        one = speaker.dressed(one) if rng.random() < 0.5 else one
+        said.append(speaker.misspelt(one) if rng.random() < 0.05 else one)
+    return said
+
+
+def _fit_parts(
+    said: Sequence[Said], settings: ReaderFitSettings, encoder: Encoder
+) -> tuple[Linear, list[tuple[int, ...]]]:
+    """Tells the part of each word; and how each half is told by what the other half taught."""
+    states = [beside(one) for one in encoder.study([one.text for one in said])[1]]
+    half = len(said) // 2
+    guessed: list[tuple[int, ...]] = []
+    for taught, rest in ((slice(half, None), slice(half)), (slice(half), slice(half, None))):
+        linear = _tell_parts(states[taught], said[taught], settings)
+        guessed += [tuple(map(int, linear(one).argmax(-1))) for one in states[rest]]
+    return _tell_parts(states, said, settings), guessed
+
+
+def _tell_parts(
+    states: Sequence[Floats], said: Sequence[Said], settings: ReaderFitSettings
+) -> Linear:
+    x = np.concatenate(states)
+    y = np.array([part for one in said for part in one.parts])
+    return _softmax_regression(x, y, len(PARTS), settings.parts_decay)
+
+
+def _fit_acts(
+    said: Sequence[Said],
+    guessed: Sequence[tuple[int, ...]],
+    settings: ReaderFitSettings,
+    encoder: Encoder,
+) -> Linear:
+    """Tells what is asked for: of frames as they are, and as they look when parts are mistaken."""
+    rows = {}
+    for one, guess in zip(said, guessed, strict=True):
+        for parts in (one.parts, guess):
+            rows[take_apart(words_of(one.text), parts).frame, one.act] = None
+    frames = [frame for frame, _ in rows]
+    vectors = encoder.study(frames)[0]
+    x = np.stack([frame_features(*one) for one in zip(frames, vectors, strict=True)])
+    y = np.array([ACTS.index(act) for _, act in rows])
+    return _softmax_regression(x, y, len(ACTS), settings.acts_decay, scale=False)
+
+
+def _fit_names(lexicon: Lexicon, settings: ReaderFitSettings, encoder: Encoder) -> Likeness:
+    """Learned in both kinds of scene: with the food, and with the dishes and the rubbish."""
+    named = _named([lexicon.things[name] for name in OBJECT_NAMES], lexicon.others["things"])
+    scenes = [
+        np.array([name in stock for name in OBJECT_NAMES] + [True]) for stock in (KITCHEN, TABLE)
+    ]
+    return _fit_likeness(named, scenes, settings, encoder)
+
+
+def _fit_places(lexicon: Lexicon, settings: ReaderFitSettings, encoder: Encoder) -> Likeness:
+    named = _named([lexicon.places[name] for name in PLACES], lexicon.places["other"])
+    return _fit_likeness(named, [np.ones(len(PLACES) + 1, np.bool_)], settings, encoder)
+
+
+def _named(known: Sequence[Sequence[tuple[str, ...]]], none: Sequence[tuple[str, ...]]) -> _Named:
+    groups = [(row, group) for row, table in enumerate([*known, none]) for group in table]
+    return _Named(
+        [text for _, group in groups for text in group],
+        np.array([row for row, group in groups for _ in group]),
+        np.array([number for number, (_, group) in enumerate(groups) for _ in group]),
+    )
+
+
+def _fit_likeness(
+    named: _Named, scenes: Sequence[NDArray[np.bool_]], settings: ReaderFitSettings, encoder: Encoder
+) -> Likeness:
+    """Weighs the features so that each known text would be told by the texts of other groups."""
+    vectors = encoder.study(named.texts)[0]
+    start = Likeness(named.texts, named.owners, vectors, np.zeros((2, FEATURES + 1), np.float32))
+    apart = named.groups[:, None] == named.groups[None, :]
+    x = np.stack(
+        [start.features(*one) for one in zip(named.texts, vectors, apart, strict=True)]
+    )  # [P, C + 1, F]
+    weights = _weigh(x, named.owners, scenes, settings.likeness_decay)
+    return Likeness(named.texts, named.owners, vectors, weights)
+
+
+def _weigh(x: Floats, owners: Rows, scenes: Sequence[NDArray[np.bool_]], decay: float) -> Floats:
+    """Conditional logit: [2, F + 1] weights of classes and of none of them, by LBFGS."""
+    mean, spread = x.mean((0, 1)), x.std((0, 1)) + 1e-6
+    seen, right = torch.from_numpy((x - mean) / spread), torch.from_numpy(owners)
+    weights = torch.zeros(2, x.shape[-1] + 1, requires_grad=True)
+    masks = [torch.from_numpy(scene) for scene in scenes]
+
+    def loss() -> Tensor:
+        logits = torch.cat(
+            [seen[:, :-1] @ weights[0, :-1], seen[:, -1:] @ weights[1, :-1] + weights[1, -1]], 1
+        )
+        lost = [
+            F.cross_entropy(logits.masked_fill(~mask, -30.0)[mask[right]], right[mask[right]])
+            for mask in masks
+        ]
+        return torch.stack(lost).sum() + decay * weights.square().sum()
+
+    _minimise([weights], loss)
+    slopes = weights.detach().numpy()[:, :-1] / spread
+    offsets = weights.detach().numpy()[:, -1] - slopes @ mean
+    return np.concatenate([slopes, offsets[:, None]], 1).astype(np.float32)
+
+
+def _softmax_regression(
+    x: Floats, y: Rows, classes: int, decay: float, scale: bool = True
+) -> Linear:
+    """Multinomial logistic regression by LBFGS. scale: bring each input to unit variance first."""
+    mean = x.mean(0) if scale else np.zeros(x.shape[1], np.float32)
+    spread = x.std(0) + 1e-6 if scale else np.ones(x.shape[1], np.float32)
+    seen, right = torch.from_numpy((x - mean) / spread), torch.from_numpy(y)
+    weights = torch.zeros(classes, x.shape[1], requires_grad=True)
+    bias = torch.zeros(classes, requires_grad=True)
+
+    def loss() -> Tensor:
+        lost = F.cross_entropy(F.linear(seen, weights, bias), right)
+        return lost + decay * weights.square().sum()
+
+    _minimise([weights, bias], loss)
+    slopes = weights.detach().numpy() / spread
+    return Linear(
+        slopes.astype(np.float32), (bias.detach().numpy() - slopes @ mean).astype(np.float32)
+    )
+
+
+def _minimise(weights: list[Tensor], loss: Callable[[], Tensor], steps: int = 100) -> None:
+    optimizer = torch.optim.LBFGS(weights, max_iter=steps, line_search_fn="strong_wolfe")
+
+    def closure() -> float:
+        optimizer.zero_grad()
+        lost = loss()
+        lost.backward()
+        return float(lost.detach())
+
+    optimizer.step(closure)
