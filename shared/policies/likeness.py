@@ -1,6 +1,6 @@
 """Which of some classes a text belongs to, by the known texts that it is most like.
 
-Likeness is in meaning, by the cosine of sentence vectors, and in letters, so that a slip of the
+Likeness is in meaning, by the cosine of sentence vectors less their mean, and in letters, so that a slip of the
 finger or a compound ("teacup") still counts. The last class is "none of them".
 """
 
@@ -32,6 +32,8 @@ class Likeness:
     ) -> None:
         self.texts, self.owners, self.vectors = tuple(texts), owners, vectors
         self.weights = weights
+        self._mean = vectors.mean(0)
+        self._centred = _unit(vectors - self._mean)
         self._classes = [np.flatnonzero(owners == row) for row in range(int(owners.max()) + 1)]
         self._letters = Letters(texts)
 
@@ -46,7 +48,8 @@ class Likeness:
         self, text: str, vector: Floats, apart: NDArray[np.bool_] | None = None
     ) -> Floats:
         """[C + 1, F]: how like each class it is. apart: [P], known texts not to look at."""
-        cosines, letters = self.vectors @ vector, self._letters.alike(text)
+        cosines = self._centred @ _unit(vector - self._mean)
+        letters = self._letters.alike(text)
         if apart is not None:
             cosines, letters = np.where(apart, -1.0, cosines), np.where(apart, 0.0, letters)
         found = np.zeros((len(self._classes), FEATURES), np.float32)
@@ -104,6 +107,12 @@ class Letters:
 
     def _weight(self, run: str) -> float:
         return float(np.log((1 + self._count) / (1 + len(self._holders.get(run, ())))) + 0.3)
+
+
+def _unit(vectors: Floats) -> Floats:
+    lengths = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    answer: Floats = vectors / np.maximum(lengths, 1e-6)
+    return answer
 
 
 def _runs(text: str) -> set[str]:

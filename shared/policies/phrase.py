@@ -9,7 +9,9 @@ from shared.goals.language.encoder import WORD
 FILLER, ACT, THING, PLACE, CONTRAST = PARTS = range(5)
 """Courtesy, protest and where a thing lies; what to do; what with; where to; a thing not meant."""
 
-_STANDS_FOR = {THING: "it", PLACE: "there"}
+_STANDS_FOR = {THING: "the object", PLACE: "to that place"}
+_JOINING = frozenset(("and", "or", "plus"))
+_POINTING = frozenset(("it", "that", "this", "the", "them", "one"))
 _DETERMINERS = frozenset(
     ("the", "a", "an", "that", "this", "these", "those", "my", "your", "some", "one", "of")
 )
@@ -18,7 +20,7 @@ _DETERMINERS = frozenset(
 class Parts(NamedTuple):
     """A phrase taken apart.
 
-    frame: what to do, with "it" for each thing and "there" for each place. things: without their
+    frame: what to do, with "the object" for each thing and "to that place" for each place. things: without their
     determiners. places: as they were said.
     """
 
@@ -43,12 +45,22 @@ def take_apart(words: Sequence[str], parts: Sequence[int]) -> Parts:
     found: dict[int, list[str]] = {THING: [], PLACE: []}
     for part, run in groupby(zip(words, parts, strict=True), key=lambda pair: pair[1]):
         said = [word for word, _ in run]
-        if part == ACT:
+        if part == ACT or (part == THING and _POINTING.issuperset(said)):
             frame += said
-        elif part in found:
+        elif part == THING:
+            for thing in _listed(said):
+                frame.append(_STANDS_FOR[part])
+                found[part].append(" ".join(_bare(thing)))
+        elif part == PLACE:
             frame.append(_STANDS_FOR[part])
-            found[part].append(" ".join(said if part == PLACE else _bare(said)))
+            found[part].append(" ".join(said))
     return Parts(" ".join(frame), tuple(found[THING]), tuple(found[PLACE]))
+
+
+def _listed(nouns: list[str]) -> list[list[str]]:
+    """Things that were told as one, each by itself."""
+    runs = groupby(nouns, key=lambda word: word in _JOINING)
+    return [list(run) for joins, run in runs if not joins]
 
 
 def _bare(noun: list[str]) -> list[str]:

@@ -1,11 +1,12 @@
 """Reads a person's phrase as one of the commands that the low level knows, or refuses it.
 
-The phrase is taken apart by the states of its words: courtesy is dropped, what to do is told by the
-rest with "it" for the thing and "there" for the place, and thing and place are told by the known
+The phrase is taken apart by the states of its words: courtesy is dropped; the frame, with a word
+that stands for each thing and place, tells what to do; and thing and place are told by the known
 names that they are most like. What lies in the scene narrows the choice; what is like nothing known,
 or most like what nobody here can do, is refused.
 """
 
+import re
 from collections import OrderedDict
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple, Protocol
@@ -15,11 +16,12 @@ from numpy.typing import NDArray
 
 from shared.errors import PolicyError
 from shared.goals.family import Floats
-from shared.policies import likeness
+from shared.policies import teller
 from shared.policies.checkpoint import Tensors
 from shared.policies.examples import as_bytes, as_texts
-from shared.policies.likeness import Likeness
 from shared.policies.phrase import Parts, plain, take_apart, words_of
+from shared.policies.spelling import corrected
+from shared.policies.teller import Linear, Teller, restore_linear, softmax
 
 NEAREST = 3
 REMEMBERED = 4096
@@ -31,16 +33,8 @@ PUTS = THINGS + np.arange(len(PLACES))  # Rows of the commands that put, in the 
 WAIT_ROW = THINGS + len(PLACES)
 ABSENT = 2.0
 """By so much less likely, in logits, a thing is meant that isn't in the scene."""
-LEAST = 0.5
+LEAST = 0.4
 """A command that is less probable is refused."""
-SMALL_WORDS = (
-    "not", "don't", "do", "never", "no", "up", "down", "back", "away", "off", "out", "on", "in",
-    "over", "and", "or", "both", "it", "there", "hand", "where", "what", "who", "why", "how", "is",
-    "are", "you", "me", "it's",
-)  # fmt: skip
-"""Words that turn the meaning of a frame and hardly its sentence vector."""
-FRAME_SCALE = 5.0
-"""Frames' vectors are unit length; this makes them weigh like the small words."""
 
 
 class Sentences(Protocol):
@@ -48,6 +42,10 @@ class Sentences(Protocol):
 
     def embed(self, sentences: Iterable[str]) -> Floats:
         """Unit vectors, [N, D] float32."""
+        ...
+
+    def is_word(self, text: str) -> bool:
+        """Whether it is a common word."""
         ...
 
     def states(self, sentence: str) -> Floats:
@@ -66,18 +64,6 @@ class Reading(NamedTuple):
     scores: Floats
 
 
-class Linear(NamedTuple):
-    """weights [N, D] float32, bias [N] float32."""
-
-    weights: Floats
-    bias: Floats
-
-    def __call__(self, x: Floats) -> Floats:
-        """Logits [..., N] of [..., D]."""
-        answer: Floats = x @ self.weights.T + self.bias
-        return answer
-
-
 class _Taken(NamedTuple):
     """A phrase as understood without its scene: logits of acts [8], of each thing [15 + 1] and
     each place [4 + 1] that it names."""
@@ -92,8 +78,8 @@ class Reader:
 
     commands: their canonical texts. verbs: [20] rows of `low_net.VERBS`. things: [20] the row of
     the body that each is about, -1 for none.
-    parts: tells the part of each word, of `beside` its states and its neighbours'. acts: tells what
-    is asked for, of a frame's `frame_features`. names, places: known names of things and places.
+    parts: tells the part of each word, of `beside` its states and its neighbours'.
+    acts: tells what a frame asks for. names, places: which thing or place is named.
     """
 
     def __init__(
@@ -102,14 +88,20 @@ class Reader:
         verbs: NDArray[np.int64],
         things: NDArray[np.int64],
         parts: Linear,
-        acts: Linear,
-        names: Likeness,
-        places: Likeness,
+        acts: Teller,
+        names: Teller,
+        places: Teller,
         encoder: Sentences,
     ) -> None:
         self.commands, self.verbs, self.things = tuple(commands), verbs, things
         self._parts, self._acts, self._names, self._places = parts, acts, names, places
         self._encoder = encoder
+        self._known = {
+            word
+            for known in (acts, names, places)
+            for text in known.alike.texts
+            for word in words_of(text)
+        }
         self._seen: OrderedDict[str, _Taken] = OrderedDict()
 
     def read(self, text: str, there: NDArray[np.bool_]) -> Reading:
@@ -117,7 +109,7 @@ class Reader:
 
         there: [18] bool, what is in the scene.
         """
-        said = plain(text).rstrip(".!")
+        said = self.spelt(text)
         if said in self.commands:
             row = self.commands.index(said)
             return Reading(row, np.eye(len(self.commands), dtype=np.float32)[row])
@@ -136,12 +128,21 @@ class Reader:
         order = np.argsort(-np.where(self.possible(there), scores, -1.0), kind="stable")
         return [(self.commands[row], float(scores[row])) for row in order[:NEAREST]]
 
-    def apart(self, text: str) -> Parts:
-        """The phrase taken apart."""
-        words = words_of(text)
+    def spelt(self, text: str) -> str:
+        """The phrase as it is read: plain, without a full stop, slips of the finger undone."""
+        said = plain(text).rstrip(".!")
+        words = words_of(said)
+        for word, right in zip(words, corrected(words, self._known), strict=True):
+            if word != right and not self._encoder.is_word(word):
+                said = re.sub(rf"\b{word}\b", right, said)
+        return said
+
+    def apart(self, said: str) -> Parts:
+        """A phrase, as it is spelt, taken apart."""
+        words = words_of(said)
         if not words:
             return Parts("", (), ())
-        parts = self._parts(beside(self._encoder.states(plain(text)))).argmax(-1)
+        parts = self._parts(beside(self._encoder.states(said))).argmax(-1)
         return take_apart(words, [int(part) for part in parts])
 
     def _taken(self, said: str) -> _Taken:
@@ -153,12 +154,11 @@ class Reader:
 
     def _take(self, parts: Parts) -> _Taken:
         texts = (parts.frame, *parts.things, *parts.places)
-        vectors = self._encoder.embed(texts)
-        rest = list(zip(texts, vectors, strict=True))[1:]
+        frame, *rest = zip(texts, self._encoder.embed(texts), strict=True)
         return _Taken(
-            self._acts(frame_features(parts.frame, vectors[0])),
-            tuple(self._names.logits(*one) for one in rest[: len(parts.things)]),
-            tuple(self._places.logits(*one) for one in rest[len(parts.things) :]),
+            self._acts.chances(*frame),
+            tuple(self._names.chances(*one) for one in rest[: len(parts.things)]),
+            tuple(self._places.chances(*one) for one in rest[len(parts.things) :]),
         )
 
     def _scores(self, taken: _Taken, there: NDArray[np.bool_]) -> Floats:
@@ -173,16 +173,18 @@ class Reader:
         scores[WAIT_ROW] = acts["wait"]
         return scores
 
+    def with_encoder(self, encoder: Sentences) -> "Reader":
+        """The same reader, which has read nothing yet, with another encoder."""
+        return restore(self.tensors(), encoder)
+
     def tensors(self) -> Tensors:
         """All that `restore` needs, by name."""
         return {
             "reader.commands": as_bytes(list(self.commands)),
             "reader.verbs": self.verbs,
             "reader.things": self.things,
-            "reader.parts.weights": self._parts.weights,
-            "reader.parts.bias": self._parts.bias,
-            "reader.acts.weights": self._acts.weights,
-            "reader.acts.bias": self._acts.bias,
+            **self._parts.tensors("reader.parts"),
+            **self._acts.tensors("reader.acts"),
             **self._names.tensors("reader.names"),
             **self._places.tensors("reader.places"),
         }
@@ -199,10 +201,10 @@ def restore(tensors: Tensors, encoder: Sentences) -> Reader:
             as_texts(tensors["reader.commands"]),
             tensors["reader.verbs"],
             tensors["reader.things"],
-            Linear(tensors["reader.parts.weights"], tensors["reader.parts.bias"]),
-            Linear(tensors["reader.acts.weights"], tensors["reader.acts.bias"]),
-            likeness.restore(tensors, "reader.names"),
-            likeness.restore(tensors, "reader.places"),
+            restore_linear(tensors, "reader.parts"),
+            teller.restore(tensors, "reader.acts"),
+            teller.restore(tensors, "reader.names"),
+            teller.restore(tensors, "reader.places"),
             encoder,
         )
     except KeyError as error:
@@ -216,23 +218,9 @@ def beside(states: Floats) -> Floats:
     return np.concatenate([states, before, after], -1)
 
 
-def frame_features(frame: str, vector: Floats) -> Floats:
-    """[D + small words]: a frame's sentence vector [D] and which small words are in it."""
-    words = set(frame.split())
-    small = [float(word in words) for word in SMALL_WORDS]
-    return np.concatenate([vector * FRAME_SCALE, small]).astype(np.float32)
-
-
 def agreed(named: Sequence[Floats], count: int) -> Floats:
     """[count] What all that is named may be, each [count + 1]; nothing, if nothing is named."""
     if not named:
         return np.zeros(count, np.float32)
     least: Floats = np.min(np.stack(named), axis=0)[:count]
     return least
-
-
-def softmax(logits: Floats) -> Floats:
-    """Probabilities of logits [N]."""
-    grown = np.exp(logits - logits.max())
-    answer: Floats = grown / grown.sum()
-    return answer

@@ -3,7 +3,7 @@ which. The sentence encoder stays as it is; everything that is learned is linear
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import torch
@@ -12,21 +12,15 @@ from torch import Tensor
 from torch.nn import functional as F
 
 from services.learner.pretrain.lexicon import Lexicon
-from services.learner.pretrain.words import Said, Speaker
+from services.learner.pretrain.words import Said, Speaker, frame_of
 from shared.config import Settings
 from shared.goals.family import Floats
 from shared.goals.language.encoder import Encoder, shared_encoder
 from shared.policies.likeness import FEATURES, Likeness
 from shared.policies.low_net import VERBS
 from shared.policies.phrase import PARTS, take_apart, words_of
-from shared.policies.reader import (
-    ACTS,
-    PLACES,
-    Linear,
-    Reader,
-    beside,
-    frame_features,
-)
+from shared.policies.reader import ACTS, PLACES, Reader, beside
+from shared.policies.teller import Linear, Teller, features
 from shared.workcell.objects import BODY_NAMES, KITCHEN, OBJECT_NAMES, TABLE
 from shared.workcell.skills import COMMANDS, SKILLS
 
@@ -39,7 +33,8 @@ class ReaderFitSettings(Settings):
     phrases: int = 6_000
     seed: int = 0
     parts_decay: float = 1e-2
-    acts_decay: float = 1e-3
+    acts_decay: float = 1e-4
+    names_decay: float = 1e-3
     likeness_decay: float = 1e-3
 
 
@@ -66,7 +61,7 @@ def fit_reader(
         np.array([VERBS.index(skill.verb) for skill in SKILLS]),
         np.array([BODY_NAMES.index(name) if name in BODY_NAMES else -1 for name in needs]),
         parts,
-        _fit_acts(said, guessed, settings, encoder),
+        _fit_acts(lexicon, said, guessed, settings, encoder),
         _fit_names(lexicon, settings, encoder),
         _fit_places(lexicon, settings, encoder),
         encoder,
@@ -81,7 +76,7 @@ def drawn(speaker: Speaker, count: int, rng: np.random.Generator) -> list[Said]:
 
     kinds: list[tuple[float, Callable[[], Said]]] = [
         (0.30, lambda: speaker.pick(thing())),
-        (0.10, lambda: speaker.contrasted(thing(), thing())),
+        (0.18, lambda: speaker.contrasted(thing(), thing())),
         (0.20, lambda: speaker.put(str(rng.choice(PLACES)))),
         (0.07, lambda: speaker.put(str(rng.choice(PLACES)), thing())),
         (0.06, speaker.wait),
@@ -122,35 +117,39 @@ def _tell_parts(
 
 
 def _fit_acts(
+    lexicon: Lexicon,
     said: Sequence[Said],
     guessed: Sequence[tuple[int, ...]],
     settings: ReaderFitSettings,
     encoder: Encoder,
-) -> Linear:
+) -> Teller:
     """Tells what is asked for: of frames as they are, and as they look when parts are mistaken."""
-    rows = {}
+    seen = {}
     for one, guess in zip(said, guessed, strict=True):
-        for parts in (one.parts, guess):
-            rows[take_apart(words_of(one.text), parts).frame, one.act] = None
-    frames = [frame for frame, _ in rows]
-    vectors = encoder.study(frames)[0]
-    x = np.stack([frame_features(*one) for one in zip(frames, vectors, strict=True)])
-    y = np.array([ACTS.index(act) for _, act in rows])
-    return _softmax_regression(x, y, len(ACTS), settings.acts_decay, scale=False)
+        seen[take_apart(words_of(one.text), guess).frame, ACTS.index(one.act)] = None
+    return _fit_teller(_frames(lexicon), [], settings, encoder, settings.acts_decay, tuple(seen))
 
 
-def _fit_names(lexicon: Lexicon, settings: ReaderFitSettings, encoder: Encoder) -> Likeness:
+def _frames(lexicon: Lexicon) -> _Named:
+    """What is said for each act; the last one is what nobody here can do."""
+    acts, others = lexicon.acts, lexicon.others
+    known = [[*acts[act], *(acts["named_put"] if act == "put" else ())] for act in ACTS[:-1]]
+    named = _named(known, [*others["acts"], *others["said"]])
+    return replace(named, texts=[frame_of(text) for text in named.texts])
+
+
+def _fit_names(lexicon: Lexicon, settings: ReaderFitSettings, encoder: Encoder) -> Teller:
     """Learned in both kinds of scene: with the food, and with the dishes and the rubbish."""
     named = _named([lexicon.things[name] for name in OBJECT_NAMES], lexicon.others["things"])
     scenes = [
         np.array([name in stock for name in OBJECT_NAMES] + [True]) for stock in (KITCHEN, TABLE)
     ]
-    return _fit_likeness(named, scenes, settings, encoder)
+    return _fit_teller(named, scenes, settings, encoder, settings.names_decay)
 
 
-def _fit_places(lexicon: Lexicon, settings: ReaderFitSettings, encoder: Encoder) -> Likeness:
+def _fit_places(lexicon: Lexicon, settings: ReaderFitSettings, encoder: Encoder) -> Teller:
     named = _named([lexicon.places[name] for name in PLACES], lexicon.places["other"])
-    return _fit_likeness(named, [np.ones(len(PLACES) + 1, np.bool_)], settings, encoder)
+    return _fit_teller(named, [], settings, encoder, settings.names_decay)
 
 
 def _named(known: Sequence[Sequence[tuple[str, ...]]], none: Sequence[tuple[str, ...]]) -> _Named:
@@ -162,17 +161,40 @@ def _named(known: Sequence[Sequence[tuple[str, ...]]], none: Sequence[tuple[str,
     )
 
 
+def _fit_teller(
+    named: _Named,
+    scenes: Sequence[NDArray[np.bool_]],
+    settings: ReaderFitSettings,
+    encoder: Encoder,
+    decay: float,
+    more: Sequence[tuple[str, int]] = (),
+) -> Teller:
+    """Learned from known texts; the regression from `more` texts with their class too.
+
+    scenes: which classes there may be at a time; none: all.
+    """
+    vectors = encoder.study(named.texts)[0]
+    texts = [*named.texts, *(text for text, _ in more)]
+    rest = encoder.study(texts[len(vectors) :])[0]
+    every = np.concatenate([vectors, rest])
+    x = np.stack([features(*one) for one in zip(texts, every, strict=True)])
+    y = np.array([*named.owners, *(owner for _, owner in more)])
+    classes = int(named.owners.max()) + 1
+    linear = _softmax_regression(x, y, classes, decay, scale=False)
+    masks = scenes or [np.ones(classes, np.bool_)]
+    return Teller(linear, _fit_likeness(named, vectors, masks, settings.likeness_decay))
+
+
 def _fit_likeness(
-    named: _Named, scenes: Sequence[NDArray[np.bool_]], settings: ReaderFitSettings, encoder: Encoder
+    named: _Named, vectors: Floats, scenes: Sequence[NDArray[np.bool_]], decay: float
 ) -> Likeness:
     """Weighs the features so that each known text would be told by the texts of other groups."""
-    vectors = encoder.study(named.texts)[0]
     start = Likeness(named.texts, named.owners, vectors, np.zeros((2, FEATURES + 1), np.float32))
     apart = named.groups[:, None] == named.groups[None, :]
     x = np.stack(
         [start.features(*one) for one in zip(named.texts, vectors, apart, strict=True)]
     )  # [P, C + 1, F]
-    weights = _weigh(x, named.owners, scenes, settings.likeness_decay)
+    weights = _weigh(x, named.owners, scenes, decay)
     return Likeness(named.texts, named.owners, vectors, weights)
 
 

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from services.learner.pretrain.lexicon import Lexicon, Table
-from shared.policies.phrase import ACT, CONTRAST, FILLER, PLACE, THING, words_of
+from shared.policies.phrase import ACT, CONTRAST, FILLER, PLACE, THING, take_apart, words_of
 from shared.workcell.objects import index
 from shared.workcell.skills import PUT_DOWN, PUT_IN_BIN, PUT_IN_TUB, PUT_ON_PLATE, WAIT, pick
 
@@ -19,6 +19,8 @@ _PUT = {"plate": PUT_ON_PLATE, "bin": PUT_IN_BIN, "tub": PUT_IN_TUB, "down": PUT
 DETERMINERS = ("the", "the", "the", "that", "this", "a", "my", "")
 BESIDE = 0.15
 """How often it is said where a thing lies."""
+DIRECT = {"plate": 0.3, "bin": 0.3, "tub": 0.3, "down": 0.7}
+"""How often a put is said without a place."""
 WHERE = " @ "
 """Between a thing and where it lies, until the phrase is put together."""
 
@@ -38,7 +40,7 @@ class Said(NamedTuple):
 
 
 class Speaker:
-    """Draws phrases: acts from one lexicon, things from another, courtesy from a third."""
+    """Draws phrases: acts from one lexicon, things and places from another, courtesy from a third."""
 
     def __init__(
         self, acts: Lexicon, things: Lexicon, courtesy: Lexicon, rng: np.random.Generator
@@ -68,9 +70,9 @@ class Speaker:
         named: a thing that is named as what is held.
         """
         direct = self._acts.acts[verb] if verb in self._acts.acts else ()
-        if direct and not named and self._rng.random() < (0.7 if verb == "down" else 0.3):
+        if direct and not named and self._rng.random() < DIRECT[verb]:
             return self._said([(self._any(self._acts.acts, verb), ACT)], verb, _PUT[verb])
-        place = self._any(self._acts.places, verb)
+        place = self._any(self._things.places, verb)
         frame = self._any(self._acts.acts, "named_put" if named else "put")
         return self._said(_fill(frame, self.named(named) if named else "", place), "put", _PUT[verb])
 
@@ -90,7 +92,7 @@ class Speaker:
 
     def unknown_place(self, named: str = "") -> Said:
         """A request to put what is held somewhere else."""
-        place = self._any(self._acts.places, "other")
+        place = self._any(self._things.places, "other")
         frame = self._any(self._acts.acts, "named_put" if named else "put")
         return self._said(_fill(frame, self.named(named) if named else "", place), "put", "")
 
@@ -168,6 +170,13 @@ def _parted(piece: Piece) -> list[Piece]:
     """A thing and where it lies."""
     thing, _, where = piece[0].partition(WHERE)
     return [(thing, piece[1]), *([(where, FILLER)] if where else [])]
+
+
+def frame_of(frame: str) -> str:
+    """A frame of the lexicon as the reader sees it."""
+    pieces = _fill(frame, "x", "y")
+    words = [word for text, _ in pieces for word in words_of(text)]
+    return take_apart(words, [part for text, part in pieces for _ in words_of(text)]).frame
 
 
 def _fill(frame: str, noun: str, place: str) -> list[Piece]:

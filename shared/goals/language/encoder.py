@@ -79,6 +79,15 @@ class Encoder:
         """
         return self.study([sentence])[1][0]
 
+    def is_word(self, text: str) -> bool:
+        """Whether a text in lower case is so common a word that it is a word piece of its own.
+
+        Raises:
+            PolicyError: as `embed`.
+        """
+        with self._lock:
+            return self._load().token_to_id(text) is not None
+
     def study(self, sentences: Sequence[str]) -> tuple[Floats, list[Floats]]:
         """Many at once, to learn from: `embed` [N, 384] and the `states` of each.
 
