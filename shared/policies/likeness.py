@@ -44,9 +44,7 @@ class Likeness:
         answer: Floats = np.append(scores[:-1, 0], scores[-1, 1]).astype(np.float32)
         return answer
 
-    def features(
-        self, text: str, vector: Floats, apart: NDArray[np.bool_] | None = None
-    ) -> Floats:
+    def features(self, text: str, vector: Floats, apart: NDArray[np.bool_] | None = None) -> Floats:
         """[C + 1, F]: how like each class it is. apart: [P], known texts not to look at."""
         cosines = self._centred @ _unit(vector - self._mean)
         letters = self._letters.alike(text)

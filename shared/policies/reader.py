@@ -16,12 +16,13 @@ from numpy.typing import NDArray
 
 from shared.errors import PolicyError
 from shared.goals.family import Floats
-from shared.policies import teller
+from shared.policies import tagger, teller
 from shared.policies.checkpoint import Tensors
 from shared.policies.examples import as_bytes, as_texts
 from shared.policies.phrase import Parts, plain, take_apart, words_of
 from shared.policies.spelling import corrected
-from shared.policies.teller import Linear, Teller, restore_linear, softmax
+from shared.policies.tagger import Tagger
+from shared.policies.teller import Teller, softmax
 
 NEAREST = 3
 REMEMBERED = 4096
@@ -33,7 +34,7 @@ PUTS = THINGS + np.arange(len(PLACES))  # Rows of the commands that put, in the 
 WAIT_ROW = THINGS + len(PLACES)
 ABSENT = 2.0
 """By so much less likely, in logits, a thing is meant that isn't in the scene."""
-LEAST = 0.4
+LEAST = 0.3
 """A command that is less probable is refused."""
 
 
@@ -78,8 +79,7 @@ class Reader:
 
     commands: their canonical texts. verbs: [20] rows of `low_net.VERBS`. things: [20] the row of
     the body that each is about, -1 for none.
-    parts: tells the part of each word, of `beside` its states and its neighbours'.
-    acts: tells what a frame asks for. names, places: which thing or place is named.
+    parts: tells the part of each word. acts: tells what a frame asks for. names, places: which thing or place is named.
     """
 
     def __init__(
@@ -87,7 +87,7 @@ class Reader:
         commands: Sequence[str],
         verbs: NDArray[np.int64],
         things: NDArray[np.int64],
-        parts: Linear,
+        parts: Tagger,
         acts: Teller,
         names: Teller,
         places: Teller,
@@ -142,8 +142,7 @@ class Reader:
         words = words_of(said)
         if not words:
             return Parts("", (), ())
-        parts = self._parts(beside(self._encoder.states(said))).argmax(-1)
-        return take_apart(words, [int(part) for part in parts])
+        return take_apart(words, self._parts.parts(self._encoder.states(said)))
 
     def _taken(self, said: str) -> _Taken:
         if said not in self._seen:
@@ -201,7 +200,7 @@ def restore(tensors: Tensors, encoder: Sentences) -> Reader:
             as_texts(tensors["reader.commands"]),
             tensors["reader.verbs"],
             tensors["reader.things"],
-            restore_linear(tensors, "reader.parts"),
+            tagger.restore(tensors, "reader.parts"),
             teller.restore(tensors, "reader.acts"),
             teller.restore(tensors, "reader.names"),
             teller.restore(tensors, "reader.places"),
@@ -209,13 +208,8 @@ def restore(tensors: Tensors, encoder: Sentences) -> Reader:
         )
     except KeyError as error:
         raise PolicyError(f"these tensors hold no reader: {error} is missing") from None
-
-
-def beside(states: Floats) -> Floats:
-    """[W, 3 S]: each word's state [W, S], that of the word before and that of the word after."""
-    none = np.zeros_like(states[:1])
-    before, after = np.concatenate([none, states[:-1]]), np.concatenate([states[1:], none])
-    return np.concatenate([states, before, after], -1)
+    except RuntimeError as error:
+        raise PolicyError(f"these tensors hold no reader: {error}") from None
 
 
 def agreed(named: Sequence[Floats], count: int) -> Floats:

@@ -35,10 +35,6 @@ class Linear(NamedTuple):
         answer: Floats = x @ self.weights.T + self.bias
         return answer
 
-    def tensors(self, prefix: str) -> Tensors:
-        """By name."""
-        return {f"{prefix}.weight": self.weights, f"{prefix}.bias": self.bias}
-
 
 class Teller(NamedTuple):
     """C classes and none of them. linear: of `features`. alike: by known texts."""
@@ -55,7 +51,11 @@ class Teller(NamedTuple):
 
     def tensors(self, prefix: str) -> Tensors:
         """All that `restore` needs, by name."""
-        return {**self.linear.tensors(f"{prefix}.linear"), **self.alike.tensors(prefix)}
+        return {
+            f"{prefix}.linear.weight": self.linear.weights,
+            f"{prefix}.linear.bias": self.linear.bias,
+            **self.alike.tensors(prefix),
+        }
 
 
 def restore(tensors: Tensors, prefix: str) -> Teller:
@@ -64,16 +64,8 @@ def restore(tensors: Tensors, prefix: str) -> Teller:
     Raises:
         KeyError: something is missing.
     """
-    return Teller(restore_linear(tensors, f"{prefix}.linear"), likeness.restore(tensors, prefix))
-
-
-def restore_linear(tensors: Tensors, prefix: str) -> Linear:
-    """What `Linear.tensors` gave.
-
-    Raises:
-        KeyError: something is missing.
-    """
-    return Linear(tensors[f"{prefix}.weight"], tensors[f"{prefix}.bias"])
+    linear = Linear(tensors[f"{prefix}.linear.weight"], tensors[f"{prefix}.linear.bias"])
+    return Teller(linear, likeness.restore(tensors, prefix))
 
 
 def features(text: str, vector: Floats) -> Floats:

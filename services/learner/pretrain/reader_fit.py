@@ -1,5 +1,5 @@
 """Teaches the reader a lexicon: which part each word plays, what is asked for, which names are like
-which. The sentence encoder stays as it is; everything that is learned is linear.
+which. The sentence encoder stays as it is.
 """
 
 from collections.abc import Callable, Sequence
@@ -12,14 +12,16 @@ from torch import Tensor
 from torch.nn import functional as F
 
 from services.learner.pretrain.lexicon import Lexicon
+from services.learner.pretrain.tagger_fit import TaggerFitSettings, fit_tagger
 from services.learner.pretrain.words import Said, Speaker, frame_of
 from shared.config import Settings
 from shared.goals.family import Floats
 from shared.goals.language.encoder import Encoder, shared_encoder
 from shared.policies.likeness import FEATURES, Likeness
 from shared.policies.low_net import VERBS
-from shared.policies.phrase import PARTS, take_apart, words_of
-from shared.policies.reader import ACTS, PLACES, Reader, beside
+from shared.policies.phrase import take_apart, words_of
+from shared.policies.reader import ACTS, PLACES, Reader
+from shared.policies.tagger import Tagger
 from shared.policies.teller import Linear, Teller, features
 from shared.workcell.objects import BODY_NAMES, KITCHEN, OBJECT_NAMES, TABLE
 from shared.workcell.skills import COMMANDS, SKILLS
@@ -32,7 +34,7 @@ class ReaderFitSettings(Settings):
 
     phrases: int = 6_000
     seed: int = 0
-    parts_decay: float = 1e-2
+    tagger: TaggerFitSettings = TaggerFitSettings()
     acts_decay: float = 1e-4
     names_decay: float = 1e-3
     likeness_decay: float = 1e-3
@@ -61,7 +63,7 @@ def fit_reader(
         np.array([VERBS.index(skill.verb) for skill in SKILLS]),
         np.array([BODY_NAMES.index(name) if name in BODY_NAMES else -1 for name in needs]),
         parts,
-        _fit_acts(lexicon, said, guessed, settings, encoder),
+        _fit_acts(lexicon, guessed, settings, encoder),
         _fit_names(lexicon, settings, encoder),
         _fit_places(lexicon, settings, encoder),
         encoder,
@@ -97,35 +99,28 @@ def drawn(speaker: Speaker, count: int, rng: np.random.Generator) -> list[Said]:
 
 def _fit_parts(
     said: Sequence[Said], settings: ReaderFitSettings, encoder: Encoder
-) -> tuple[Linear, list[tuple[int, ...]]]:
-    """Tells the part of each word; and how each half is told by what the other half taught."""
-    states = [beside(one) for one in encoder.study([one.text for one in said])[1]]
+) -> tuple[Tagger, dict[Said, tuple[int, ...]]]:
+    """Tells the part of each word; and how half of the phrases look to one that never saw them."""
+    states = encoder.study([one.text for one in said])[1]
+    parts = [one.parts for one in said]
     half = len(said) // 2
-    guessed: list[tuple[int, ...]] = []
-    for taught, rest in ((slice(half, None), slice(half)), (slice(half), slice(half, None))):
-        linear = _tell_parts(states[taught], said[taught], settings)
-        guessed += [tuple(map(int, linear(one).argmax(-1))) for one in states[rest]]
-    return _tell_parts(states, said, settings), guessed
-
-
-def _tell_parts(
-    states: Sequence[Floats], said: Sequence[Said], settings: ReaderFitSettings
-) -> Linear:
-    x = np.concatenate(states)
-    y = np.array([part for one in said for part in one.parts])
-    return _softmax_regression(x, y, len(PARTS), settings.parts_decay)
+    green = fit_tagger(states[:half], parts[:half], settings.tagger, settings.seed)
+    guessed = {
+        one: tuple(green.parts(state))
+        for one, state in zip(said[half:], states[half:], strict=True)
+    }
+    return fit_tagger(states, parts, settings.tagger, settings.seed), guessed
 
 
 def _fit_acts(
     lexicon: Lexicon,
-    said: Sequence[Said],
-    guessed: Sequence[tuple[int, ...]],
+    guessed: dict[Said, tuple[int, ...]],
     settings: ReaderFitSettings,
     encoder: Encoder,
 ) -> Teller:
     """Tells what is asked for: of frames as they are, and as they look when parts are mistaken."""
     seen = {}
-    for one, guess in zip(said, guessed, strict=True):
+    for one, guess in guessed.items():
         seen[take_apart(words_of(one.text), guess).frame, ACTS.index(one.act)] = None
     return _fit_teller(_frames(lexicon), [], settings, encoder, settings.acts_decay, tuple(seen))
 
@@ -180,7 +175,7 @@ def _fit_teller(
     x = np.stack([features(*one) for one in zip(texts, every, strict=True)])
     y = np.array([*named.owners, *(owner for _, owner in more)])
     classes = int(named.owners.max()) + 1
-    linear = _softmax_regression(x, y, classes, decay, scale=False)
+    linear = _softmax_regression(x, y, classes, decay)
     masks = scenes or [np.ones(classes, np.bool_)]
     return Teller(linear, _fit_likeness(named, vectors, masks, settings.likeness_decay))
 
@@ -221,13 +216,9 @@ def _weigh(x: Floats, owners: Rows, scenes: Sequence[NDArray[np.bool_]], decay: 
     return np.concatenate([slopes, offsets[:, None]], 1).astype(np.float32)
 
 
-def _softmax_regression(
-    x: Floats, y: Rows, classes: int, decay: float, scale: bool = True
-) -> Linear:
-    """Multinomial logistic regression by LBFGS. scale: bring each input to unit variance first."""
-    mean = x.mean(0) if scale else np.zeros(x.shape[1], np.float32)
-    spread = x.std(0) + 1e-6 if scale else np.ones(x.shape[1], np.float32)
-    seen, right = torch.from_numpy((x - mean) / spread), torch.from_numpy(y)
+def _softmax_regression(x: Floats, y: Rows, classes: int, decay: float) -> Linear:
+    """Multinomial logistic regression by LBFGS."""
+    seen, right = torch.from_numpy(x), torch.from_numpy(y)
     weights = torch.zeros(classes, x.shape[1], requires_grad=True)
     bias = torch.zeros(classes, requires_grad=True)
 
@@ -236,10 +227,7 @@ def _softmax_regression(
         return lost + decay * weights.square().sum()
 
     _minimise([weights, bias], loss)
-    slopes = weights.detach().numpy() / spread
-    return Linear(
-        slopes.astype(np.float32), (bias.detach().numpy() - slopes @ mean).astype(np.float32)
-    )
+    return Linear(weights.detach().numpy(), bias.detach().numpy())
 
 
 def _minimise(weights: list[Tensor], loss: Callable[[], Tensor], steps: int = 100) -> None:

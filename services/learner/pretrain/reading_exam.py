@@ -153,8 +153,12 @@ class Examiner:
         thing = said.meant.removeprefix("pick up the ")
         if thing not in self._known.things:
             return False
-        taught = {word for group in self._known.things[thing] for text in group for word in words_of(text)}
-        words = {word for word, part in zip(words_of(said.text), said.parts, strict=True) if part == 2}
+        taught = {
+            word for group in self._known.things[thing] for text in group for word in words_of(text)
+        }
+        words = {
+            word for word, part in zip(words_of(said.text), said.parts, strict=True) if part == 2
+        }
         return not (words - {"the", "that", "this", "a", "my"}) & taught
 
     def _hard(self, name: str, names: list[str], stock: Stock) -> list[Question]:
@@ -179,7 +183,9 @@ class Examiner:
 def figures(answers: Sequence[Answer]) -> dict[str, Any]:
     """Rates with intervals by kind; of unheard words all together; what was confused."""
     kinds = list(dict.fromkeys(one.question.kind for one in answers))
-    by_kind = {kind: _rates([one for one in answers if one.question.kind == kind]) for kind in kinds}
+    by_kind = {
+        kind: _rates([one for one in answers if one.question.kind == kind]) for kind in kinds
+    }
     unheard = [one for one in answers if one.question.kind in UNHEARD]
     refusals = [one for one in answers if one.question.kind.startswith("refuse")]
     strange = [one for one in unheard if one.question.strange]
@@ -219,7 +225,9 @@ def _rates(answers: Sequence[Answer]) -> dict[str, Any]:
 def _confused(answer: Answer, these: Sequence[str], those: Sequence[str]) -> bool:
     """One of these was meant and another of those read, or the other way round."""
     meant, read = answer.question.said.meant, answer.read
-    return meant != read and ((meant in these and read in those) or (meant in those and read in these))
+    return meant != read and (
+        (meant in these and read in those) or (meant in those and read in these)
+    )
 
 
 def table(found: dict[str, Any]) -> str:

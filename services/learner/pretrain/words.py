@@ -74,7 +74,9 @@ class Speaker:
             return self._said([(self._any(self._acts.acts, verb), ACT)], verb, _PUT[verb])
         place = self._any(self._things.places, verb)
         frame = self._any(self._acts.acts, "named_put" if named else "put")
-        return self._said(_fill(frame, self.named(named) if named else "", place), "put", _PUT[verb])
+        return self._said(
+            _fill(frame, self.named(named) if named else "", place), "put", _PUT[verb]
+        )
 
     def wait(self) -> Said:
         """A request to wait."""
