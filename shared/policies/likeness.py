@@ -1,7 +1,7 @@
 """Which of some classes a text belongs to, by the known texts that it is most like.
 
-Likeness is in meaning, by the cosine of sentence vectors less their mean, and in letters, so that a slip of the
-finger or a compound ("teacup") still counts. The last class is "none of them".
+Likeness is in meaning, by the cosine of sentence vectors less their mean, and in letters, so that a
+slip of the finger or a compound ("teacup") still counts. The last class is "none of them".
 """
 
 from collections import defaultdict

@@ -20,8 +20,8 @@ _DETERMINERS = frozenset(
 class Parts(NamedTuple):
     """A phrase taken apart.
 
-    frame: what to do, with "the object" for each thing and "to that place" for each place. things: without their
-    determiners. places: as they were said.
+    frame: what to do, with "the object" for each thing and "to that place" for each place.
+    things: without their determiners. places: as they were said.
     """
 
     frame: str

@@ -2,8 +2,8 @@
 
 The phrase is taken apart by the states of its words: courtesy is dropped; the frame, with a word
 that stands for each thing and place, tells what to do; and thing and place are told by the known
-names that they are most like. What lies in the scene narrows the choice; what is like nothing known,
-or most like what nobody here can do, is refused.
+names that they are most like. What lies in the scene narrows the choice; what is like nothing
+known, or most like what nobody here can do, is refused.
 """
 
 import re
@@ -79,7 +79,8 @@ class Reader:
 
     commands: their canonical texts. verbs: [20] rows of `low_net.VERBS`. things: [20] the row of
     the body that each is about, -1 for none.
-    parts: tells the part of each word. acts: tells what a frame asks for. names, places: which thing or place is named.
+    parts: tells the part of each word. acts: what a frame asks for. names, places: which thing or
+    place is named.
     """
 
     def __init__(

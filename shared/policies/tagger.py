@@ -24,6 +24,9 @@ class Tagger(nn.Module):
     mean, spread: [S], of the states that it learned from.
     """
 
+    mean: Tensor
+    spread: Tensor
+
     def __init__(self, mean: Tensor, spread: Tensor, narrow: int = 96, hidden: int = 64) -> None:
         super().__init__()
         self.register_buffer("mean", mean)

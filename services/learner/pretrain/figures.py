@@ -6,7 +6,7 @@ from pathlib import Path
 from services.learner.pretrain import cards
 from services.learner.pretrain.exam import Attempt, Exam, by_name, figure, try_skills
 from services.learner.pretrain.stages import EXAM_SEED, PARTS, Pretraining
-from services.learner.pretrain.words import unheard_phrases
+from services.learner.pretrain.unheard import unheard_phrases
 from shared.evaluation.attempts import Row
 from shared.evaluation.episode import Evaluator
 from shared.evaluation.plan import ORACLE, Case, Plan

@@ -12,24 +12,18 @@ from torch import Tensor
 from torch.nn import functional as F
 
 from services.learner.pretrain.practice import Steps
-from services.learner.pretrain.words import known_phrases, refused_phrases
-from shared.goals.family import open_family
-from shared.messages.goal import LanguageGoal
 from shared.policies.geometry import Geometry, View
 from shared.policies.low_net import CHUNK, JOINTS, VERBS, LowNet, Orders, squash
 from shared.policies.precision import autocast
-from shared.policies.reader import Reader
 from shared.workcell import expert, layout, placing
 from shared.workcell.kinematics import BASE_X
 from shared.workcell.objects import BODY_NAMES, OBJECTS
-from shared.workcell.skills import COMMANDS, SKILLS
+from shared.workcell.skills import SKILLS
 
 EXECUTED = 5
 LATE_WEIGHT = 0.3
 GRIP_WEIGHT = 0.5
 DONE_WEIGHT = 0.1
-THRESHOLD = 0.4
-"""Least cosine of a phrase to one that is known."""
 AVERAGE = 0.999
 PORTION = 4096
 
@@ -151,26 +145,6 @@ def orders() -> Orders:
     verbs = [VERBS.index(skill.verb) for skill in SKILLS]
     things = [-1 if skill.object is None else BODY_NAMES.index(skill.object) for skill in SKILLS]
     return Orders(torch.tensor(verbs), torch.tensor(things))
-
-
-def known_words(most: int | None = None) -> Reader:
-    """The reader of the known phrases. most: of each command, to try the recipe; None: all."""
-    said, strange = known_phrases(), refused_phrases()[:most]
-    said = [phrases[:most] for phrases in said]
-    texts = [*(text for row in said for text in row), *strange]
-    owners = [*np.repeat(np.arange(len(said)), [len(row) for row in said]), *([-1] * len(strange))]
-    needs = [skill.object or skill.verb for skill in SKILLS]
-    family = open_family("language")
-    return Reader(
-        COMMANDS,
-        orders().verbs.numpy(),
-        np.array([BODY_NAMES.index(name) if name in BODY_NAMES else -1 for name in needs]),
-        texts,
-        np.array(owners),
-        family.embed(tuple(LanguageGoal(text=text) for text in texts)),
-        THRESHOLD,
-        family,
-    )
 
 
 def fit_low(

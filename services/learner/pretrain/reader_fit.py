@@ -58,7 +58,7 @@ def fit_reader(
     said = drawn(Speaker(lexicon, lexicon, lexicon, rng), settings.phrases, rng)
     parts, guessed = _fit_parts(said, settings, encoder)
     needs = [skill.object or skill.verb for skill in SKILLS]
-    return Reader(
+    reader = Reader(
         COMMANDS,
         np.array([VERBS.index(skill.verb) for skill in SKILLS]),
         np.array([BODY_NAMES.index(name) if name in BODY_NAMES else -1 for name in needs]),
@@ -68,6 +68,7 @@ def fit_reader(
         _fit_places(lexicon, settings, encoder),
         encoder,
     )
+    return reader.with_encoder(encoder)  # Rounded as it will be when it is loaded.
 
 
 def drawn(speaker: Speaker, count: int, rng: np.random.Generator) -> list[Said]:
@@ -86,6 +87,7 @@ def drawn(speaker: Speaker, count: int, rng: np.random.Generator) -> list[Said]:
         (0.09, lambda: speaker.unknown_act(thing())),
         (0.05, lambda: speaker.unknown_place(thing() if rng.random() < 0.3 else "")),
         (0.07, speaker.chat),
+        (0.03, speaker.pointing),
         (0.05, lambda: speaker.two(thing(), thing())),
     ]
     shares = np.array([share for share, _ in kinds])
@@ -119,7 +121,7 @@ def _fit_acts(
     encoder: Encoder,
 ) -> Teller:
     """Tells what is asked for: of frames as they are, and as they look when parts are mistaken."""
-    seen = {}
+    seen: dict[tuple[str, int], None] = {}
     for one, guess in guessed.items():
         seen[take_apart(words_of(one.text), guess).frame, ACTS.index(one.act)] = None
     return _fit_teller(_frames(lexicon), [], settings, encoder, settings.acts_decay, tuple(seen))
@@ -129,8 +131,14 @@ def _frames(lexicon: Lexicon) -> _Named:
     """What is said for each act; the last one is what nobody here can do."""
     acts, others = lexicon.acts, lexicon.others
     known = [[*acts[act], *(acts["named_put"] if act == "put" else ())] for act in ACTS[:-1]]
-    named = _named(known, [*others["acts"], *others["said"]])
+    known[ACTS.index("pick")] = _pointing(known[ACTS.index("pick")])
+    named = _named(known, [*_pointing(others["acts"]), *others["said"]])
     return replace(named, texts=[frame_of(text) for text in named.texts])
+
+
+def _pointing(groups: Sequence[tuple[str, ...]]) -> list[tuple[str, ...]]:
+    """What is said of a thing, and the same of "it"."""
+    return [(*group, *(text.replace("{}", "it") for text in group)) for group in groups]
 
 
 def _fit_names(lexicon: Lexicon, settings: ReaderFitSettings, encoder: Encoder) -> Teller:
@@ -236,7 +244,7 @@ def _minimise(weights: list[Tensor], loss: Callable[[], Tensor], steps: int = 10
     def closure() -> float:
         optimizer.zero_grad()
         lost = loss()
-        lost.backward()
+        lost.backward()  # type: ignore[no-untyped-call]
         return float(lost.detach())
 
-    optimizer.step(closure)
+    optimizer.step(closure)  # type: ignore[no-untyped-call]

@@ -123,7 +123,8 @@ class Examiner:
                 for name in names * each:
                     asked += self._commands(kind, speaker, name, stock)
                 asked += [self._put(kind, speaker, stock) for _ in range(12 * each)]
-                asked.append(self._question(kind, speaker.wait(), stock, dress=True))
+                if kind != "new name":  # To wait there is no name.
+                    asked.append(self._question(kind, speaker.wait(), stock, dress=True))
             for name in names * each:
                 asked += self._hard(name, names, stock)
         return asked
@@ -136,7 +137,8 @@ class Examiner:
         return [self._question(kind, one, stock, dress=True) for one in said]
 
     def _put(self, kind: str, speaker: Speaker, stock: Stock) -> Question:
-        return self._question(kind, speaker.put(self._target(stock)), stock, dress=True)
+        said = speaker.put(self._target(stock), placed="name" in kind)
+        return self._question(kind, said, stock, dress=True)
 
     def _target(self, stock: Stock) -> str:
         places = [place for place in PLACES if place == "down" or place in stock]
@@ -175,6 +177,7 @@ class Examiner:
             Question("refuse: unknown act", verb.unknown_act(name), stock),
             Question("refuse: unknown place", noun.unknown_place(), stock),
             Question("refuse: other talk", verb.chat(), stock),
+            Question("refuse: nothing named", known.pointing(), stock),
             Question("refuse: two things", known.two(name, other), stock),
             Question("refuse: missing thing", absent, stock),
         ]
@@ -261,6 +264,8 @@ def examine(folds: Sequence[int], seeds: Sequence[int], each: int, phrases: int)
             known, unheard = fold(number, seed)
             reader = fit_reader(known, ReaderFitSettings(phrases=phrases, seed=seed))
             own += ask(reader, Examiner(known, unheard, seed).questions(each), encoder)
+            done = figures(own)["unheard words"]["success"]
+            print(f"seed {seed}, fold {number}: unheard words so far {done:.3f}", flush=True)
         by_seed[str(seed)] = figures(own)["unheard words"]
         answers += own
     return {"folds": list(folds), "seeds": by_seed, **figures(answers)}

@@ -51,7 +51,7 @@ def fit_tagger(
             told = tagger([x[row] for row in rows]).reshape(-1, len(PARTS))
             loss = F.cross_entropy(told, right.reshape(-1), ignore_index=NO_PART)
             optimizer.zero_grad()
-            loss.backward()
+            loss.backward()  # type: ignore[no-untyped-call]
             optimizer.step()
             cycle.step()
     return tagger.eval().requires_grad_(False)

@@ -17,6 +17,7 @@ from shared.workcell.skills import PUT_DOWN, PUT_IN_BIN, PUT_IN_TUB, PUT_ON_PLAT
 Piece = tuple[str, int]
 _PUT = {"plate": PUT_ON_PLATE, "bin": PUT_IN_BIN, "tub": PUT_IN_TUB, "down": PUT_DOWN}
 DETERMINERS = ("the", "the", "the", "that", "this", "a", "my", "")
+POINTING = ("it", "it", "that", "this")
 BESIDE = 0.15
 """How often it is said where a thing lies."""
 DIRECT = {"plate": 0.3, "bin": 0.3, "tub": 0.3, "down": 0.7}
@@ -40,7 +41,7 @@ class Said(NamedTuple):
 
 
 class Speaker:
-    """Draws phrases: acts from one lexicon, things and places from another, courtesy from a third."""
+    """Draws phrases: acts of one lexicon, things and places of another, courtesy of a third."""
 
     def __init__(
         self, acts: Lexicon, things: Lexicon, courtesy: Lexicon, rng: np.random.Generator
@@ -64,13 +65,13 @@ class Speaker:
                 pieces.append((text, FILLER))
         return self._said(pieces, "pick", pick(index(thing)))
 
-    def put(self, verb: str, named: str = "") -> Said:
+    def put(self, verb: str, named: str = "", placed: bool = False) -> Said:
         """A request to put what is held on the plate, in the bin, in the tub or on the table.
 
-        named: a thing that is named as what is held.
+        named: a thing that is named as what is held. placed: the place is said, whatever the verb.
         """
-        direct = self._acts.acts[verb] if verb in self._acts.acts else ()
-        if direct and not named and self._rng.random() < DIRECT[verb]:
+        direct = self._acts.acts.get(verb, ())
+        if direct and not named and not placed and self._rng.random() < DIRECT[verb]:
             return self._said([(self._any(self._acts.acts, verb), ACT)], verb, _PUT[verb])
         place = self._any(self._things.places, verb)
         frame = self._any(self._acts.acts, "named_put" if named else "put")
@@ -97,6 +98,11 @@ class Speaker:
         place = self._any(self._things.places, "other")
         frame = self._any(self._acts.acts, "named_put" if named else "put")
         return self._said(_fill(frame, self.named(named) if named else "", place), "put", "")
+
+    def pointing(self) -> Said:
+        """A request to pick up what isn't named."""
+        frame = self._any(self._acts.acts, "pick").replace("{}", str(self._rng.choice(POINTING)))
+        return self._said([(frame, ACT)], "pick", "")
 
     def chat(self) -> Said:
         """Whatever else is said."""
