@@ -77,7 +77,7 @@ class Actor:
             name,
             index,
             settings=settings,
-            robot=make_robot(settings.kind, settings.site),
+            robot=make_robot(settings.kind, settings.site, settings.skills),
             low_level=low_level,
             source=self.refresh,
             thinking=make_thinking(settings),
@@ -110,7 +110,7 @@ def make_thinking(settings: ActorSettings) -> Thinking:
     return Lockstep(settings.rollout.latency_steps)
 
 
-def make_robot(kind: str, site: str) -> Robot:
+def make_robot(kind: str, site: str, skills: int | None = None) -> Robot:
     """A robot of the kind that some installed package offers.
 
     Raises:
@@ -119,5 +119,6 @@ def make_robot(kind: str, site: str) -> Robot:
     offered = {entry.name: entry for entry in entry_points(group="hl_dagger.robots")}
     if kind not in offered:
         raise ConfigError(f"no robot of kind {kind!r}{nearest(kind, offered)}")
-    robot: Robot = offered[kind].load()(site)
+    made = offered[kind].load()
+    robot: Robot = made(site) if skills is None else made(site, skills)
     return robot

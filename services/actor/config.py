@@ -40,7 +40,8 @@ class ActorSettings(Settings):
 
     robots: their ids on the wire. kind: the entry point of group `hl_dagger.robots` that makes
         them. first_index: number of the first robot in the fleet, from which its seeds follow.
-    tasks: taken in turn. site: the settings file of the cell.
+    tasks: taken in turn. site: the settings file of the cell. skills: how many each prompt that a
+        robot draws takes; None: as its task likes, and what a robot of another kind is not asked.
     episodes_per_version: after so many episodes a robot waits for a newer version; 0: never.
     wait_for_version_s: it waits that long at most, then does another share with the version it has
         (the gate may have refused a candidate); 0: for ever.
@@ -56,6 +57,7 @@ class ActorSettings(Settings):
     first_index: Annotated[int, Field(ge=0, le=999)] = 0
     tasks: Annotated[tuple[Id, ...], Field(min_length=1)] = ("sandwich", "pack")
     site: str = "workshop"
+    skills: Annotated[int, Field(ge=1, le=64)] | None = None
     pace: Pace = Pace.REAL_TIME
     refresh: Refresh = Refresh.EPISODE
     rollout: RolloutSettings = RolloutSettings()

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from services.oracle.config import OracleSettings
 from services.oracle.seen import Seen
-from shared.workcell.skills import COMMANDS
+from shared.workcell.skills import SKILLS, is_there
 from shared.workcell.state import CellState
 from shared.workcell.tasks import task_named
 
@@ -48,10 +48,10 @@ def judge(seen: Seen, settings: OracleSettings) -> Verdict:
     chance = _chance(seen, settings.seed)
     if chance.random() < settings.miss_rate:
         return Verdict(Kind.PASS, missed=True)
-    right_now, right = _know(seen)
+    right_now, right, there = _know(seen)
     verdict = _ideal(seen, right_now, right)
     if verdict.kind is Kind.OVERRIDE and chance.random() < settings.wrong_phrase_rate:
-        slip = chance.choice([text for text in COMMANDS if text not in right])
+        slip = chance.choice([text for text in there if text not in right])
         return Verdict(Kind.OVERRIDE, slip, wrong=True)
     return verdict
 
@@ -65,8 +65,8 @@ def _ideal(seen: Seen, right_now: str, right: frozenset[str]) -> Verdict:
     return Verdict(Kind.OVERRIDE, right_now)
 
 
-def _know(seen: Seen) -> tuple[str, frozenset[str]]:
-    """The right command now, and all that are right."""
+def _know(seen: Seen) -> tuple[str, frozenset[str], list[str]]:
+    """The right command now, all that are right, and all about what is there."""
     truth = dict(seen.truth)
     settled = truth.pop("brief", None)
     truth.pop("disturbed", None)
@@ -78,6 +78,7 @@ def _know(seen: Seen) -> tuple[str, frozenset[str]]:
     return (
         task.next_command(state, brief, seen.before),
         task.acceptable_commands(state, brief, seen.before),
+        [skill.text for skill in SKILLS if is_there(skill, state)],
     )
 
 

@@ -3,7 +3,7 @@
 from pydantic import BaseModel, ConfigDict
 
 from shared.workcell.errors import UnknownCommand
-from shared.workcell.skills import PARAPHRASES, Skill, parse
+from shared.workcell.skills import Skill, parse
 
 SKILL_NAMES = {
     "pick": "pick up",
@@ -13,9 +13,6 @@ SKILL_NAMES = {
     "down": "put down",
 }
 """Skills as reports call them, by their verb. To wait is none: it has no end to be achieved."""
-_CANONICAL = {
-    phrase: command for command, phrases in PARAPHRASES.items() for phrase in phrases
-}  # fmt: skip
 
 
 class _Kept(BaseModel):
@@ -66,10 +63,9 @@ class Row(_Kept):
 
 
 def skill_of(text: str) -> Skill | None:
-    """The skill that a phrase stands for, said canonically or as people are known to say it."""
-    words = " ".join(text.lower().split())
+    """The skill of a canonical command; None for other words."""
     try:
-        return parse(_CANONICAL.get(words, words))
+        return parse(text)
     except UnknownCommand:
         return None
 

@@ -7,7 +7,7 @@ import torch
 from numpy.typing import NDArray
 
 from shared.clock import SystemClock
-from shared.evaluation.attempts import Row
+from shared.evaluation.attempts import Row, skill_of
 from shared.evaluation.plan import ORACLE, Case, Plan
 from shared.evaluation.watch import Watch
 from shared.messages.decision import Proposal
@@ -19,6 +19,8 @@ from shared.policies.low_level import LowLevel
 from shared.rollout import robot as seams
 from shared.rollout.rollout import Rollout
 from shared.rollout.thinking import Lockstep
+from shared.workcell.env import objects
+from shared.workcell.skills import Skill
 from shared.workcell.station import Station
 
 
@@ -57,7 +59,7 @@ class Evaluator:
     def __call__(self, case: Case) -> Row:
         """Roll out one episode."""
         scene = self._station.reset(case.seed, case.task, None)
-        watch = Watch(self._station.env)
+        watch = Watch(self._station.env, self._meant)
         rollout = Rollout(
             self._station,
             self._high_level,
@@ -88,6 +90,11 @@ class Evaluator:
             attempts=attempts,
             low_level_sha256=self._low_level.fingerprint(),
         )
+
+    def _meant(self, text: str) -> Skill | None:
+        """The skill that the low level takes a command for, in the scene as it is."""
+        command = self._low_level.meaning(Goal(text=text), objects(self._station.env.state))
+        return skill_of(command) if command else None
 
     def close(self) -> None:
         """Give the cell back."""

@@ -1,31 +1,25 @@
 """One phrase put to the low level in one scene: what it understood, and what it did."""
 
 import json
-from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple, Protocol, runtime_checkable
+from typing import NamedTuple
 
 import numpy as np
 import torch
 from pydantic import BaseModel, ConfigDict
 
 from shared.config import Settings
-from shared.evaluation.attempts import skill_of
 from shared.evaluation.hand import Hand
 from shared.evaluation.scene import Setting, prepare
 from shared.evaluation.watch import ATTEMPT_STEPS
-from shared.goals.family import Floats
-from shared.goals.language.bank import PhraseBank
 from shared.messages.goal import Goal
 from shared.policies.checkpoint import bundled, load_card
 from shared.policies.low_level import LowLevel
 from shared.workcell import skills
 from shared.workcell.env import WorkcellEnv, objects
 from shared.workcell.objects import COUNT
-from shared.workcell.skills import COMMANDS, PUTS, SKILLS, WAIT
+from shared.workcell.skills import PUTS, SKILLS, WAIT
 from shared.workcell.state import CellState, on_table
-
-NEAREST = 3
 
 
 class Near(NamedTuple):
@@ -43,15 +37,6 @@ class Reading(NamedTuple):
 
     refused: str
     nearest: tuple[Near, ...]
-
-
-@runtime_checkable
-class Reader(Protocol):
-    """A low level that tells how it reads a phrase; what it refuses, its `objection` says."""
-
-    def nearest(self, goal: Goal, objects: Floats) -> Sequence[tuple[str, float]]:
-        """The commands that it knows and that can be done here, with scores, best first."""
-        ...
 
 
 class Phrases(Settings):
@@ -116,7 +101,6 @@ class Speaker:
         torch.set_num_threads(1)  # The processes share the cores.
         self._low_level = LowLevel.load(plan.folder())
         self._env = WorkcellEnv(plan.site, max_steps=1 << 30)
-        self._bank: PhraseBank | None = None
 
     def __call__(self, trial: Trial) -> Said:
         """Prepare the scene, say the phrase, see what happens."""
@@ -126,8 +110,8 @@ class Speaker:
         fine = env.task.acceptable_commands(env.state, env.brief, previous)
         phrase = trial.phrase or contrary(env.state, fine, trial.setting.seed)
         reading = self.read(phrase)
-        known = skill_of(phrase)
-        expected = trial.expected or (known.text if known else reading.nearest[0].command)
+        meant = self._low_level.meaning(Goal(text=phrase), objects(env.state))
+        expected = trial.expected or meant or reading.nearest[0].command
         done, steps = ((), 0) if reading.refused else self._act(phrase, expected, trial.steps)
         return Said(
             trial=trial,
@@ -142,17 +126,10 @@ class Speaker:
         )
 
     def read(self, phrase: str) -> Reading:
-        """What the low level makes of a phrase in the scene as it is.
-
-        One that doesn't tell what is near is helped out by the meaning of the words.
-        """
+        """What the low level makes of a phrase in the scene as it is."""
         goal, things = Goal(text=phrase), objects(self._env.state)
         refused = self._low_level.objection(goal, things)
-        if isinstance(self._low_level, Reader):
-            near: Sequence[tuple[str, float]] = self._low_level.nearest(goal, things)
-        else:
-            self._bank = self._bank or PhraseBank.of(COMMANDS)
-            near = self._bank.nearest(phrase, NEAREST)
+        near = self._low_level.nearest(goal, things)
         return Reading(refused, tuple(Near(text, round(score, 4)) for text, score in near))
 
     def _act(self, phrase: str, expected: str, steps: int) -> tuple[tuple[str, ...], int]:

@@ -1,6 +1,6 @@
 """Watches an episode: each attempt at a skill, each decision, and what went wrong first."""
 
-from collections.abc import Set
+from collections.abc import Callable, Set
 
 from shared.evaluation.attempts import Attempt, skill_name, skill_of
 from shared.workcell.env import WorkcellEnv
@@ -21,8 +21,9 @@ class Watch:
     failure, failed_step: what went wrong first; "" and -1 when nothing did.
     """
 
-    def __init__(self, env: WorkcellEnv) -> None:
-        self._env = env
+    def __init__(self, env: WorkcellEnv, meant: Callable[[str], Skill | None] = skill_of) -> None:
+        """meant: the skill that a command stands for, in whatever words."""
+        self._env, self._meant = env, meant
         self._now = self._before = env.state
         self._command: str | None = None
         self._skill: Skill | None = None
@@ -34,7 +35,7 @@ class Watch:
 
     def decided(self, command: str) -> None:
         """A decision puts a command in force: hold it against what is right at this moment."""
-        state, said = self._env.state, skill_of(command)
+        state, said = self._env.state, self._meant(command)
         previous = self._command
         fine = self._env.task.acceptable_commands(state, self._env.brief, previous)
         if said is None or said.text not in fine:
@@ -48,7 +49,7 @@ class Watch:
         """A control step was made under `command`; `step` of them in all."""
         if command != self._command:
             self._close(step - 1)
-            self._command, self._skill = command, skill_of(command)
+            self._command, self._skill = command, self._meant(command)
             self._begin, self._before = step - 1, self._now
             self._achieved_after = self._wrong = 0
         self._wrong, self._wrong_now = self._wrong + self._wrong_now, 0

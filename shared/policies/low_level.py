@@ -17,7 +17,7 @@ from shared.policies import checkpoint, reader
 from shared.policies.checkpoint import Tensors, sha256_tensors
 from shared.policies.geometry import MEASURES, Geometry
 from shared.policies.low_net import CHUNK, CLOSED_M, OPEN_M, LowNet, Orders, targets
-from shared.policies.reader import Reader, Reading
+from shared.policies.reader import Reader
 from shared.policies.tokens import OPEN_GAP_M
 
 
@@ -99,9 +99,10 @@ class LowLevel:
         there = _present(objects)
         return self.reader.nearest(self.reader.read(goal.text, there).scores, there)
 
-    def read(self, goal: Goal, objects: Floats) -> Reading:
-        """What it takes a goal for in this scene."""
-        return self.reader.read(goal.text, _present(objects))
+    def meaning(self, goal: Goal, objects: Floats) -> str | None:
+        """The command that it takes a goal for in this scene; None if it understands none."""
+        row = self.reader.read(goal.text, _present(objects)).command
+        return None if row is None else self.reader.commands[row]
 
     def _understood(self, goal: Goal, objects: Floats) -> int | None:
         """The command that a goal means, None where there is an objection."""

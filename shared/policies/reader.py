@@ -4,6 +4,7 @@ A phrase means the command whose known phrases are nearest to it as sentence vec
 in the scene narrows the choice; what is near to nothing is refused.
 """
 
+import threading
 from collections import OrderedDict
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -33,7 +34,7 @@ class Reading(NamedTuple):
 
 
 class Reader:
-    """Knows C commands by P phrases. Pure; remembers what it read.
+    """Knows C commands by P phrases. Pure, and safe to use from several threads; remembers.
 
     commands: their canonical texts. verbs: [C] rows of `low_net.VERBS`. things: [C] the row of the
     object that each is about, -1 for none. phrases: the canonical text of each command among them.
@@ -56,11 +57,8 @@ class Reader:
         self.commands, self.verbs, self.things = tuple(commands), verbs, things
         self._phrases, self._owners, self._vectors = tuple(phrases), owners, vectors
         self._threshold, self._family = threshold, family
-        self._exact = {
-            _plain(text): int(owner)
-            for text, owner in zip(phrases, owners, strict=True)
-            if owner >= 0
-        }
+        self._rows = {_plain(text): row for row, text in enumerate(phrases)}
+        self._lock = threading.Lock()
         self._seen: OrderedDict[str, tuple[Floats, float]] = OrderedDict()
 
     def read(self, text: str, there: NDArray[np.bool_]) -> Reading:
@@ -69,9 +67,9 @@ class Reader:
         there: [18] bool, what is in the scene.
         """
         scores, strange = self._scores(text)
-        known = self._exact.get(_plain(text))
-        if known is not None:
-            return Reading(known, scores)
+        row = self._rows.get(_plain(text))
+        if row is not None and self._owners[row] >= 0:
+            return Reading(int(self._owners[row]), scores)
         possible = np.where(self.possible(there), scores, -1.0)
         best = int(possible.argmax())
         clear = possible[best] >= max(self._threshold, strange)
@@ -90,14 +88,22 @@ class Reader:
 
     def _scores(self, text: str) -> tuple[Floats, float]:
         """Of each command its nearest phrase's cosine, and the nearest of those to be refused."""
-        if text not in self._seen:
-            vector = self._family.embed((Goal(text=text),))[0]
+        with self._lock:
+            known = self._seen.get(text)
+        if known is None:
+            row = self._rows.get(_plain(text))
+            # A known phrase needs no encoder: the control loop doesn't wait for it.
+            vector = (
+                self._family.embed((Goal(text=text),))[0] if row is None else self._vectors[row]
+            )
             best = np.full(len(self.commands) + 1, -1.0, np.float32)
             np.maximum.at(best, self._owners, self._vectors @ vector)  # -1 is the last one.
-            self._seen[text] = best[:-1], float(best[-1])
-            while len(self._seen) > REMEMBERED:
-                self._seen.popitem(last=False)
-        return self._seen[text]
+            known = best[:-1], float(best[-1])
+            with self._lock:
+                self._seen[text] = known
+                while len(self._seen) > REMEMBERED:
+                    self._seen.popitem(last=False)
+        return known
 
     def tensors(self) -> Tensors:
         """All that `restore` needs, by name."""

@@ -52,7 +52,6 @@ class Cell:
         self._index()
         self._rng = np.random.default_rng(0)
         self._slipping = [0, 0]
-        self.stock = KITCHEN
         self._eyes: dict[tuple[int, int, str], Eye] = {}
         self.reset(self._rng)
 
@@ -71,7 +70,6 @@ class Cell:
         self._bodies = [model.body(name).id for name in BODY_NAMES]
         self._mocaps = {name: int(model.body(name).mocapid[0]) for name in FIXTURE_NAMES}
         self._fixed = {name: model.body(name).pos.copy() for name in FIXTURE_NAMES}
-        self._object_bodies = self._bodies[:COUNT]
         self._sites = [model.site(f"{arm}_tool").id for arm in ARM_NAMES]
         self._pad_of_geom = np.full(model.ngeom, -1)
         self._object_of_geom = np.full(model.ngeom, -1)
@@ -86,7 +84,7 @@ class Cell:
 
         The cell keeps `rng` for the slips.
         """
-        self._rng, self._slipping, self.stock = rng, [0, 0], stock
+        self._rng, self._slipping = rng, [0, 0]
         mujoco.mj_resetData(self._model, self._data)
         home = np.concatenate([[*inverse(arm, *HOME[arm]), GRIP_OPEN_M] for arm in (0, 1)])
         self._data.qpos[self._joint_rows] = home.reshape(2, 7)[:, :6]
@@ -102,7 +100,7 @@ class Cell:
             else:
                 self._set_pose(item, absent_at(item), 0.0)
             # What hovers far away is weightless and touches nothing: it costs next to nothing.
-            self._model.body_gravcomp[self._object_bodies[item]] = float(item not in starts)
+            self._model.body_gravcomp[self._bodies[item]] = float(item not in starts)
         self._advance(home, SETTLE_STEPS)
 
     def place(self, name: str, position: tuple[float, float, float], yaw: float = 0.0) -> None:

@@ -97,7 +97,7 @@ class WorkcellEnv(gymnasium.Env[Observation, np.ndarray]):
                 f"{brief.prompt!r}: nothing on the table fits, at any of its places"
             )
         self.elapsed_steps = self._fulfilled_steps = 0
-        self._people = Passers(self.cell, np.random.default_rng(self.np_random.spawn(1)[0]))
+        self._people = Passers(self.cell, self.np_random.spawn(1)[0])
         return self._observe(), self._info()
 
     def step(self, action: np.ndarray) -> tuple[Observation, float, bool, bool, Info]:

@@ -9,6 +9,7 @@ import numpy as np
 from shared.workcell import clutter, food, layout, wares
 from shared.workcell.objects import OBJECTS, Object
 from shared.workcell.robot import actuators_xml, arm_xml, coupling_xml
+from shared.workcell.shapes import shaded
 from shared.workcell.site import CameraShift, Colour, Offset, Site
 
 TIMESTEP_S = 0.004
@@ -191,9 +192,10 @@ def _walls(box: layout.Box, half: float, height: float, material: str) -> str:
 
 
 def _object(item: Object, site: Site) -> str:
-    look_xml = food.look_xml if item.kind == "food" else wares.look_xml
+    kind = food if item.kind == "food" else wares
+    colours = [shaded(colour, item.name, site.shades) for colour in kind.COLOURS[item.name]]
     width, length, height = item.half_sizes_m
-    kind, size = (
+    form, size = (
         ("cylinder", f"{width} {height}")
         if item.shape == "disc"
         else ("box", f"{width} {length} {height}")
@@ -201,9 +203,9 @@ def _object(item: Object, site: Site) -> str:
     return f"""
     <body name="{item.name}" pos="0 0 .5">
       <freejoint name="{item.name}"/>
-      <geom name="{item.name}" class="object" type="{kind}" size="{size}"
+      <geom name="{item.name}" class="object" type="{form}" size="{size}"
         mass="{item.mass_kg}"/>
-      {look_xml(item, site.shades)}
+      {kind.LOOKS[item.name](item, colours)}
     </body>"""
 
 

@@ -3,17 +3,18 @@
 import tomllib
 from importlib import resources
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from shared.errors import nearest
+from shared.workcell import clutter
 from shared.workcell.errors import InvalidSite
+from shared.workcell.tasks.manners import Manner
 
 Level = Annotated[float, Field(ge=0.0, le=1.0)]
 Colour = tuple[Level, Level, Level]
 Rate = Annotated[float, Field(ge=0.0, le=60.0)]
-Manner = Literal["plain", "polite", "chatty"]
 Offset = tuple[float, float, float]
 
 
@@ -100,7 +101,7 @@ class Site(_Part):
     slip_steps: Annotated[int, Field(ge=1, le=100)] = 10
     people: People = People()
     prompts: Prompts = Prompts()
-    distractors: Annotated[int, Field(ge=0, le=8)] = 0
+    distractors: Annotated[int, Field(ge=0, le=clutter.MOST)] = 0
 
 
 def site_names() -> tuple[str, ...]:

@@ -1,10 +1,10 @@
-"""The skills of the low level and the words for them: twenty commands, each with paraphrases."""
+"""The skills of the low level and the words for them: twenty commands."""
 
 from dataclasses import dataclass
 from typing import Literal
 
 from shared.workcell.errors import UnknownCommand
-from shared.workcell.objects import BIN, OBJECT_NAMES, PLATE, TUB, index
+from shared.workcell.objects import BODY_NAMES, OBJECT_NAMES, index
 from shared.workcell.state import CellState, in_bin, in_tub, on_table, stack_on_plate
 
 Verb = Literal["pick", "plate", "bin", "tub", "down", "wait"]
@@ -48,7 +48,6 @@ COMMANDS = tuple(skill.text for skill in SKILLS)
 
 PUT_ON_PLATE, PUT_IN_BIN, PUT_IN_TUB, PUT_DOWN, WAIT = COMMANDS[-5:]
 PUTS = frozenset({PUT_ON_PLATE, PUT_IN_BIN, PUT_IN_TUB, PUT_DOWN})
-_FIXTURES: dict[Verb, int] = {"plate": PLATE, "bin": BIN, "tub": TUB}
 
 _BY_TEXT = dict(zip(COMMANDS, SKILLS, strict=True))
 
@@ -70,22 +69,16 @@ def parse(text: str) -> Skill:
     return skill
 
 
-def obstacle(skill: Skill, state: CellState) -> str:
-    """Why the skill can't be done in this state, in a clause; "" where it can."""
-    if skill.verb == "wait":
-        return ""
-    if skill.object is not None:
-        there = bool(state.present[index(skill.object)])
-        return "" if there else f"there is no {skill.object} here"
-    row = _FIXTURES.get(skill.verb)
-    if row is not None and not state.present[row]:
-        return f"there is no {skill.verb} here"
-    return "" if state.holding else "no hand holds anything"
+def is_there(skill: Skill, state: CellState) -> bool:
+    """Whether the thing, or the place, that the skill is about is in the cell."""
+    name = skill.object or skill.verb
+    return name not in BODY_NAMES or bool(state.present[BODY_NAMES.index(name)])
 
 
 def possible(skill: Skill, state: CellState) -> bool:
-    """Whether the skill can be done in this state."""
-    return not obstacle(skill, state)
+    """Whether the skill can be done in this state; something must be held to be put."""
+    free = skill.verb in ("pick", "wait") or bool(state.holding)
+    return free and is_there(skill, state)
 
 
 def achieved(skill: Skill, before: CellState, now: CellState) -> bool:
@@ -111,104 +104,3 @@ def _arrived(verb: Verb, item: int, state: CellState) -> bool:
     if verb == "tub":
         return item in in_tub(state)
     return on_table(state, item)
-
-
-_PICKS = (
-    "pick up the {}",
-    "grab the {}",
-    "take the {}",
-    "get the {}",
-    "lift the {}",
-    "pick the {} up",
-    "now the {}",
-    "no, the {}",
-    "the {} next",
-    "get me the {}",
-    "you need the {} now",
-    "reach for the {}",
-)
-_NICKNAMES = {
-    "bread": ("grab the slice of bread", "take the pale slice of bread"),
-    "toast": ("take the slice of toast", "grab the toasted slice"),
-    "cheese": ("take the slice of cheese", "grab the yellow slice"),
-    "ham": ("take the slice of ham", "grab the pink slice"),
-    "lettuce": ("take the lettuce leaf", "grab the salad leaf"),
-    "tomato": ("take the slice of tomato", "grab the red slice"),
-    "onion": ("take the slice of onion", "grab the onion ring"),
-    "cup": ("take the red mug", "grab the red cup"),
-    "bowl": ("take the blue bowl", "grab the blue dish"),
-    "glass": ("take the green glass", "grab the tumbler"),
-    "saucer": ("take the little white plate", "grab the white saucer"),
-    "can": ("take the red tin", "grab the empty can"),
-    "wrapper": ("take the yellow wrapper", "grab the candy wrapper"),
-    "carton": ("take the blue carton", "grab the empty box"),
-    "napkin": ("take the white napkin", "grab the paper napkin"),
-}
-
-PARAPHRASES: dict[str, tuple[str, ...]] = {
-    **{
-        f"pick up the {name}": tuple(p.format(name) for p in _PICKS) + _NICKNAMES[name]
-        for name in OBJECT_NAMES
-    },
-    PUT_ON_PLATE: (
-        "put it on the plate",
-        "place it on the plate",
-        "set it on the plate",
-        "onto the plate",
-        "it goes on the plate",
-        "no, on the plate",
-        "lay it on the plate",
-        "stack it on the plate",
-        "put that on top of the stack",
-        "now onto the plate with it",
-    ),
-    PUT_IN_BIN: (
-        "put it in the bin",
-        "drop it in the bin",
-        "place it in the bin",
-        "into the bin",
-        "it goes in the bin",
-        "no, in the bin",
-        "put it in the blue box",
-        "drop it into the blue bin",
-        "pack it into the bin",
-        "into the bin with it",
-    ),
-    PUT_IN_TUB: (
-        "put it in the tub",
-        "drop it in the tub",
-        "place it in the tub",
-        "into the tub",
-        "it goes in the tub",
-        "no, in the tub",
-        "put it in the grey tub",
-        "put it with the dishes",
-        "that belongs in the tub",
-        "into the tub with it",
-    ),
-    PUT_DOWN: (
-        "put it down",
-        "set it down on the table",
-        "put it back",
-        "put it back on the table",
-        "lay it down",
-        "set it down",
-        "no, put that down",
-        "leave it on the table",
-        "not that one, put it down",
-        "put it aside",
-    ),
-    WAIT: (
-        "wait",
-        "hold still",
-        "stop",
-        "stay where you are",
-        "do nothing",
-        "pause",
-        "hang on",
-        "wait a moment",
-        "don't move",
-        "that's it, you're done",
-    ),
-}
-"""What people say instead, the canonical command first; for training on language."""

@@ -1,39 +1,20 @@
-"""How dishes and rubbish look, as MJCF geoms that collide with nothing. Sizes: objects.py.
+"""How dishes and rubbish look. Sizes: objects.py. Blocks lie with their length along y."""
 
-Blocks lie with their length along their own y.
-"""
-
-from shared.workcell.food import disc, geom, ring, rounded, shaded
 from shared.workcell.objects import Object
-from shared.workcell.site import Colour, Shades
+from shared.workcell.shapes import Look, disc, dots, geom, ring, rounded
+from shared.workcell.site import Colour
 
-_COLOURS: dict[str, tuple[Colour, ...]] = {
+COLOURS: dict[str, tuple[Colour, ...]] = {
     "cup": ((0.86, 0.12, 0.12), (0.40, 0.05, 0.06), (0.96, 0.42, 0.38)),
     "bowl": ((0.14, 0.34, 0.86), (0.42, 0.60, 0.98), (0.10, 0.22, 0.60)),
     "glass": ((0.30, 0.78, 0.48), (0.70, 0.95, 0.80), (0.16, 0.50, 0.30)),
-    "saucer": ((0.95, 0.95, 0.94), (0.76, 0.77, 0.79), (0.99, 0.99, 0.99)),
+    "saucer": ((0.95, 0.95, 0.94), (0.99, 0.99, 0.99), (0.76, 0.77, 0.79)),
     "can": ((0.84, 0.10, 0.10), (0.80, 0.81, 0.83), (0.97, 0.97, 0.97)),
     "wrapper": ((0.98, 0.82, 0.10), (0.80, 0.60, 0.04), (0.99, 0.94, 0.60)),
     "carton": ((0.16, 0.40, 0.84), (0.94, 0.95, 0.97), (0.62, 0.74, 0.94)),
     "napkin": ((0.97, 0.97, 0.96), (0.86, 0.87, 0.88), (0.80, 0.82, 0.86)),
 }
 _ALONG_Y = 'euler="1.5707963 0 0"'
-
-
-def look_xml(item: Object, shades: Shades) -> str:
-    """The visible geoms of one object at a site."""
-    colours = [shaded(colour, item.name, shades) for colour in _COLOURS[item.name]]
-    draw = {
-        "cup": _cup,
-        "bowl": _bowl,
-        "glass": _glass,
-        "saucer": _saucer,
-        "can": _can,
-        "wrapper": _wrapper,
-        "carton": _carton,
-        "napkin": _napkin,
-    }[item.name]
-    return draw(item, colours)
 
 
 def _barrel(radius: float, half: float, rgba: str, y: float = 0.0, detail: bool = False) -> str:
@@ -53,14 +34,23 @@ def _cup(item: Object, colours: list[str]) -> str:
     )
 
 
-def _bowl(item: Object, colours: list[str]) -> str:
-    body, inside, rim = colours
+def _dish(item: Object, colours: list[str], rim: float, middle: float) -> str:
+    """A round dish; the shares of its radius at which the rim ends and the middle begins."""
+    body, inside, edge = colours
     radius, _, height = item.half_sizes_m
     return (
         disc(radius, height, body)
-        + disc(radius * 0.82, 0.0005, rim, f"0 0 {height}")
-        + disc(radius * 0.68, 0.0005, inside, f"0 0 {height + 0.0003}")
+        + disc(radius * rim, 0.0005, edge, f"0 0 {height}")
+        + disc(radius * middle, 0.0005, inside, f"0 0 {height + 0.0003}")
     )
+
+
+def _bowl(item: Object, colours: list[str]) -> str:
+    return _dish(item, colours, 0.82, 0.68)
+
+
+def _saucer(item: Object, colours: list[str]) -> str:
+    return _dish(item, colours, 0.62, 0.52)
 
 
 def _glass(item: Object, colours: list[str]) -> str:
@@ -70,16 +60,6 @@ def _glass(item: Object, colours: list[str]) -> str:
         _barrel(width, length * 0.82, body, -0.18 * length)
         + _barrel(width * 1.02, length * 0.18, bright, 0.82 * length)
         + _barrel(width * 0.8, 0.0008, dark, length)
-    )
-
-
-def _saucer(item: Object, colours: list[str]) -> str:
-    body, groove, middle = colours
-    radius, _, height = item.half_sizes_m
-    return (
-        disc(radius, height, body)
-        + disc(radius * 0.62, 0.0004, groove, f"0 0 {height}")
-        + disc(radius * 0.52, 0.0005, middle, f"0 0 {height}")
     )
 
 
@@ -112,8 +92,20 @@ def _carton(item: Object, colours: list[str]) -> str:
 
 
 def _napkin(item: Object, colours: list[str]) -> str:
-    cloth, fold, dots = colours
+    cloth, fold, pattern = colours
     half, _, height = item.half_sizes_m
     across = geom("box", f"{half} .0012 {height + 0.0006}", fold)
-    spots = "".join(disc(0.003, height + 0.0007, dots, at, True) for at in ring(4, half * 0.6))
+    spots = dots(0.003, height + 0.0007, pattern, ring(4, half * 0.6))
     return rounded(half, height, 0.002, cloth) + across + spots
+
+
+LOOKS: dict[str, Look] = {
+    "cup": _cup,
+    "bowl": _bowl,
+    "glass": _glass,
+    "saucer": _saucer,
+    "can": _can,
+    "wrapper": _wrapper,
+    "carton": _carton,
+    "napkin": _napkin,
+}

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from services.learner.pretrain import cards
+from services.learner.pretrain.demonstrate import TASKS
 from services.learner.pretrain.exam import Attempt, Exam, by_name, figure, try_skills
 from services.learner.pretrain.stages import EXAM_SEED, PARTS, Pretraining
 from services.learner.pretrain.words import unheard_phrases
@@ -60,11 +61,12 @@ def _tasks(pretraining: Pretraining, low_level: Path) -> list[Figure]:
 
 
 def _trials(pretraining: Pretraining, low_level: Path, high_level: Path) -> list[Figure]:
-    """The two levels together, at both sites."""
+    """The two levels together in the tasks that were taught, at both sites."""
     figures = []
     for site in SITES:
         plan = Plan(
             high_level=str(high_level),
+            tasks=TASKS,
             low_level=str(low_level),
             site=site,
             seeds=(0, pretraining.scale.trials),

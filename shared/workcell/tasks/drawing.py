@@ -37,6 +37,11 @@ def check(draw: Draw, name: str, lengths: range) -> None:
         )
 
 
+def constrained(rng: np.random.Generator, draw: Draw) -> bool:
+    """Whether this prompt shall say what fits; draws nothing where none ever does."""
+    return bool(draw.constraints) and rng.random() < draw.constraints
+
+
 def constrain(
     rng: np.random.Generator,
     choices: Sequence[Constraint],

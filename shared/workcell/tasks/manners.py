@@ -1,8 +1,12 @@
-"""The ways in which people put a wish into words: a site has one of them, or all."""
+"""The ways in which people put a wish into words; a site has one of them."""
+
+from typing import Literal
 
 import numpy as np
 
-_FRAMES: dict[str, tuple[str, ...]] = {
+Manner = Literal["plain", "polite", "chatty"]
+
+_FRAMES: dict[Manner, tuple[str, ...]] = {
     "plain": ("{}",),
     "polite": (
         "please {}",
@@ -20,7 +24,7 @@ _FRAMES: dict[str, tuple[str, ...]] = {
 }
 
 
-def put(core: str, manner: str, rng: np.random.Generator) -> str:
+def put(core: str, manner: Manner, rng: np.random.Generator) -> str:
     """An imperative clause in this manner. Plain words stay as they are and draw nothing."""
     frames = _FRAMES[manner]
     if len(frames) == 1:

@@ -1,5 +1,6 @@
 """What a task is: it draws and understands prompts, judges states, and knows what is to do next."""
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
@@ -8,6 +9,7 @@ import numpy as np
 from shared.workcell import skills
 from shared.workcell.objects import KITCHEN, Stock
 from shared.workcell.state import CellState, cover_of
+from shared.workcell.tasks.manners import Manner
 from shared.workcell.tasks.wishes import EVERYTHING, Wish
 
 CARRY_M = 0.115
@@ -65,7 +67,7 @@ class Draw:
     """
 
     skills: int | None = None
-    manner: str = "plain"
+    manner: Manner = "plain"
     constraints: float = 0.0
 
 
@@ -104,17 +106,34 @@ class Task(Protocol):
         """All commands that are right now, `next_command` among them."""
 
 
-def put_commands(
-    state: CellState, item: int, put: str, previous: str | None
-) -> tuple[str, frozenset[str]]:
-    """The right command, and all right ones, while `item` is held and shall be `put`.
+class Commanding(ABC):
+    """What tasks share: one account of what is right now answers both questions."""
+
+    def next_command(self, state: CellState, brief: Brief, previous: str | None) -> str:
+        """The right command now: the one in force if it is right."""
+        picks = self._right(state, brief, previous)
+        return previous if previous in picks else picks[0]
+
+    def acceptable_commands(
+        self, state: CellState, brief: Brief, previous: str | None
+    ) -> frozenset[str]:
+        """All commands that are right now."""
+        return frozenset(self._right(state, brief, previous))
+
+    @abstractmethod
+    def _right(self, state: CellState, brief: Brief, previous: str | None) -> list[str]:
+        """All right commands, the best first; at least one."""
+
+
+def put_commands(state: CellState, item: int, put: str, previous: str | None) -> list[str]:
+    """All right commands, the best first, while `item` is held and shall be `put`.
 
     A held object that is low is being lifted or lowered; only the command in force tells which.
     """
     height, lift = state.points[item][2], skills.pick(item)
     if previous in skills.PUTS or height > CARRY_M:
-        return put, frozenset({put})
-    return lift, frozenset({lift, put} if height > CARRY_SOON_M else {lift})
+        return [put]
+    return [lift, put] if height > CARRY_SOON_M else [lift]
 
 
 def uncovered(state: CellState, item: int) -> int:

@@ -6,7 +6,7 @@ One table of phrases serves both ways, drawing and understanding.
 import itertools
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from shared.workcell.errors import UnknownPrompt
 from shared.workcell.objects import KINDS, OBJECT_NAMES, OBJECTS, Stock
@@ -70,7 +70,7 @@ class Wish:
     names: tuple[str, ...] = ()
     traits: tuple[str, ...] = ()
     sides: tuple[str, ...] = ()
-    but: tuple[str, ...] = field(default=())
+    but: tuple[str, ...] = ()
 
     @property
     def constrains(self) -> bool:

@@ -61,6 +61,9 @@ def test_a_phrase_that_the_low_level_objects_to_moves_nothing(speaker):
             del goal, objects
             return [("pick up the ham", 0.4)]
 
+        def meaning(self, goal, objects):
+            del goal, objects
+
     willing, speaker._low_level = speaker._low_level, Refusing()
     said = speaker(trial("pick up the banana"))
     speaker._low_level = willing

@@ -93,7 +93,7 @@ def test_who_succeeds_has_failed_nowhere(episode):
 
 
 def test_a_right_command_in_other_words_is_right(episode):
-    episode.watch.decided("grab the bread")
+    episode.watch.decided("pick up the bread")
     assert episode.watch.wrong == 0
     episode.watch.decided("dance")
     assert episode.watch.failure == "unknown command"

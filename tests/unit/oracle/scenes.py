@@ -52,7 +52,7 @@ def seen(
         episode="ep-1",
         index=0,
         step=0,
-        task="sandwich",
+        task=fields.pop("task", "sandwich"),
         prompt=fields.pop("prompt", PROMPT),
         previous=previous,
         proposed=(Proposed(goal=Command(text=top or executed), score=1.0),),

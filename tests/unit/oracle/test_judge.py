@@ -72,3 +72,20 @@ def test_a_prompt_that_it_does_not_understand_is_an_error_and_no_verdict() -> No
 def test_an_answer_that_is_no_decision_is_an_error(content: bytes) -> None:
     with pytest.raises(UnclearError):
         parse(content)
+
+
+def test_what_a_prompt_meant_when_the_episode_began_is_taken_from_the_truth() -> None:
+    """Left and right are the start's: things may have been moved since."""
+    state, prompt = scene(), "pack only what is on the left into the bin"
+    told = seen(state, "pick up the ham", prompt=prompt, task="pack")
+    settled = {**told.truth, "brief": {"target": ["ham"], "ordered": False}, "disturbed": 1}
+    assert judge(told.model_copy(update={"truth": settled}), PERFECT) == Verdict(Kind.APPROVE)
+    settled["brief"] = {"target": ["cheese"], "ordered": False}
+    verdict = judge(told.model_copy(update={"truth": settled}), PERFECT)
+    assert verdict == Verdict(Kind.OVERRIDE, "pick up the cheese")
+
+
+def test_a_slip_of_the_tongue_names_only_what_is_there() -> None:
+    clumsy = OracleSettings(wrong_phrase_rate=1.0)
+    said = {judge(seen(scene(seed=seed), CHEESE), clumsy).text for seed in range(60)}
+    assert not any(word in str(text) for text in said for word in ("cup", "can", "napkin", "tub"))

@@ -1,5 +1,6 @@
 """Sites: settings files for where a cell stands."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -9,6 +10,7 @@ import pytest
 from pydantic import ValidationError
 
 from shared.workcell.cell import Cell
+from shared.workcell.env import WorkcellEnv
 from shared.workcell.errors import InvalidSite
 from shared.workcell.expert import act
 from shared.workcell.site import Prompts, Site, load_site, site_names
@@ -70,3 +72,26 @@ def test_what_the_oracle_needs_loads_without_simulator():
         "assert not {'mujoco', 'gymnasium', 'torch'} & set(sys.modules)"
     )
     subprocess.run([sys.executable, "-c", code], check=True, cwd=Path(__file__).parents[3])
+
+
+def test_distractors_are_seen_and_never_touched():
+    lab = load_site("lab")
+    plain, full = (Cell(lab.model_copy(update={"distractors": count})) for count in (0, 8))
+    for cell in (plain, full):
+        cell.reset(np.random.default_rng(0))
+    pictures = [cell.render("angle", 64, 64) for cell in (plain, full)]
+    assert (pictures[0] != pictures[1]).any()
+    assert np.array_equal(plain.state().positions, full.state().positions)
+    for cell in (plain, full):
+        cell.close()
+
+
+@pytest.mark.parametrize(
+    ("site", "opening"), [("near", "please|could|would"), ("far", "ok|hey|we|hello|right")]
+)
+def test_wishes_are_put_as_the_site_has_it(site, opening):
+    draw = WorkcellEnv(site)
+    for seed in range(4):
+        draw.reset(seed=seed, options={"task": "pack"})
+        assert re.match(opening, draw.brief.prompt)
+    draw.close()

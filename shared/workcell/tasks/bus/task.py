@@ -7,10 +7,10 @@ import numpy as np
 from shared.workcell.errors import UnknownPrompt
 from shared.workcell.objects import BIN, KINDS, OBJECTS, TABLE, TUB
 from shared.workcell.tasks import manners
-from shared.workcell.tasks.drawing import Constraint, check, constrain
+from shared.workcell.tasks.drawing import Constraint, check, constrain, constrained
 from shared.workcell.tasks.sorting import Sorting
 from shared.workcell.tasks.task import USUAL, Brief, Draw
-from shared.workcell.tasks.wishes import Wish, read
+from shared.workcell.tasks.wishes import EVERYTHING, read
 
 THINGS = KINDS["dish"] + KINDS["rubbish"]
 USUAL_THINGS = 6
@@ -45,15 +45,12 @@ class Bus(Sorting):
         """Draw what lies there, and the words."""
         check(draw, self.name, self.lengths)
         count = None if draw.skills is None else draw.skills // 2
-        drawn = None
-        if draw.constraints and rng.random() < draw.constraints:
-            drawn = constrain(rng, CONSTRAINTS, THINGS, TABLE, count)
-        if drawn:
+        if constrained(rng, draw) and (drawn := constrain(rng, CONSTRAINTS, THINGS, TABLE, count)):
             said, wish, stock = drawn
             core = CONSTRAINED[int(rng.integers(len(CONSTRAINED)))].format(said)
         else:
             gone = [str(name) for name in rng.permutation(THINGS)[count or USUAL_THINGS :]]
-            wish, stock = Wish(), TABLE - set(gone)
+            wish, stock = EVERYTHING, TABLE - set(gone)
             core = CORES[int(rng.integers(len(CORES)))]
         prompt = manners.put(core, draw.manner, rng)
         return Brief(self.name, prompt, wish.things(stock), wish, False, stock)

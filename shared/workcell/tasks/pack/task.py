@@ -7,7 +7,7 @@ import numpy as np
 from shared.workcell.errors import UnknownPrompt
 from shared.workcell.objects import BIN, KINDS, KITCHEN
 from shared.workcell.tasks import manners
-from shared.workcell.tasks.drawing import Constraint, check, constrain
+from shared.workcell.tasks.drawing import Constraint, check, constrain, constrained
 from shared.workcell.tasks.sorting import Sorting
 from shared.workcell.tasks.task import USUAL, Brief, Draw
 from shared.workcell.tasks.wishes import named, read
@@ -54,10 +54,7 @@ class Pack(Sorting):
         """Draw the things and the words."""
         check(draw, self.name, self.lengths)
         count = None if draw.skills is None else draw.skills // 2
-        drawn = None
-        if draw.constraints and rng.random() < draw.constraints:
-            drawn = constrain(rng, CONSTRAINTS, FOOD, KITCHEN, count)
-        if drawn:
+        if constrained(rng, draw) and (drawn := constrain(rng, CONSTRAINTS, FOOD, KITCHEN, count)):
             said, wish, stock = drawn
             core = CORES[int(rng.integers(len(CORES)))].format(said)
             prompt = manners.put(core, draw.manner, rng)

@@ -7,9 +7,9 @@ from shared.workcell.errors import UnknownPrompt
 from shared.workcell.objects import KITCHEN, index
 from shared.workcell.state import CellState, astray_on_plate, held_object, stack_on_plate
 from shared.workcell.tasks import manners
-from shared.workcell.tasks.drawing import Constraint, check, constrain
-from shared.workcell.tasks.task import USUAL, Brief, Draw, put_commands, uncovered
-from shared.workcell.tasks.wishes import Wish, listing, read
+from shared.workcell.tasks.drawing import Constraint, check, constrain, constrained
+from shared.workcell.tasks.task import USUAL, Brief, Commanding, Draw, put_commands, uncovered
+from shared.workcell.tasks.wishes import EVERYTHING, Wish, listing, read
 
 FILLINGS = ("cheese", "ham", "lettuce", "tomato", "onion")
 USUAL_FILLINGS = 2
@@ -34,7 +34,7 @@ CONSTRAINTS = (
 VERBS = ("make {}", "make me {}", "build {}")
 
 
-class Sandwich:
+class Sandwich(Commanding):
     """Bread, up to five fillings, toast."""
 
     name = "sandwich"
@@ -44,19 +44,16 @@ class Sandwich:
         """Draw the fillings and the words."""
         check(draw, self.name, self.lengths)
         count = None if draw.skills is None else draw.skills // 2 - 2
-        if draw.constraints and rng.random() < draw.constraints and count != 0:
-            return self._constrained(rng, draw, count)
+        if count != 0 and constrained(rng, draw):
+            whole = "a sandwich with everything", EVERYTHING, KITCHEN
+            said, wish, stock = constrain(rng, CONSTRAINTS, FILLINGS, KITCHEN, count) or whole
+            core = VERBS[int(rng.integers(len(VERBS)))].format(said)
+            return self._brief(manners.put(core, draw.manner, rng), wish, stock)
         asked = USUAL_FILLINGS if count is None else count
         fillings = [str(name) for name in rng.permutation(FILLINGS)[:asked]]
         cores = TEMPLATES if draw.manner == "plain" else CORES
         core = cores[int(rng.integers(len(cores)))].format(listing(fillings or ["nothing else"]))
         return self.understand(manners.put(core, draw.manner, rng))
-
-    def _constrained(self, rng: np.random.Generator, draw: Draw, count: int | None) -> Brief:
-        whole = "a sandwich with everything", Wish(), KITCHEN
-        said, wish, stock = constrain(rng, CONSTRAINTS, FILLINGS, KITCHEN, count) or whole
-        verb = VERBS[int(rng.integers(len(VERBS)))]
-        return self._brief(manners.put(verb.format(said), draw.manner, rng), wish, stock)
 
     def understand(self, prompt: str) -> Brief:
         """The wish that a sentence expresses."""
@@ -89,28 +86,15 @@ class Sandwich:
         """Share of the wish that lies in place from the bottom."""
         return _right_from_below(stack_on_plate(state), brief) / len(brief.target)
 
-    def next_command(self, state: CellState, brief: Brief, previous: str | None) -> str:
-        """The right command now."""
-        return self._commands(state, brief, previous)[0]
-
-    def acceptable_commands(
-        self, state: CellState, brief: Brief, previous: str | None
-    ) -> frozenset[str]:
-        """All commands that are right now."""
-        return self._commands(state, brief, previous)[1]
-
-    def _commands(
-        self, state: CellState, brief: Brief, previous: str | None
-    ) -> tuple[str, frozenset[str]]:
+    def _right(self, state: CellState, brief: Brief, previous: str | None) -> list[str]:
         held = held_object(state)
         wrong, following = _wrong(state, brief), _following(state, brief)
         if held is not None:
-            put = skills.PUT_DOWN if wrong is not None or held not in following else None
-            return put_commands(state, held, put or skills.PUT_ON_PLATE, previous)
+            ready = wrong is None and held in following
+            put = skills.PUT_ON_PLATE if ready else skills.PUT_DOWN
+            return put_commands(state, held, put, previous)
         items = following if wrong is None else [wrong]
-        picks = [skills.pick(uncovered(state, item)) for item in items] or [skills.WAIT]
-        chosen = previous if previous in picks else picks[0]
-        return chosen, frozenset(picks)
+        return [skills.pick(uncovered(state, item)) for item in items] or [skills.WAIT]
 
 
 def _next_layers(stack: tuple[int, ...], brief: Brief) -> list[int]:
