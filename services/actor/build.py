@@ -97,8 +97,8 @@ def newest_on_disk(settings: ActorSettings) -> HighLevel:
     """The version that was taken up last, or the checkpoint to begin with."""
     cached = settings.data / "high_level"
     if cached.exists():
-        return HighLevel.load(cached)
-    start = HighLevel.load(settings.high_level or bundled("high_level"))
+        return HighLevel.load(cached, settings.rollout.head)
+    start = HighLevel.load(settings.high_level or bundled("high_level"), settings.rollout.head)
     start.version = NEVER_ANNOUNCED
     return start
 

@@ -78,7 +78,7 @@ class Refresh:
             )
         payloads = self._fetcher.fetch(announcement.tensors, FETCH_WITHIN_S)
         tensors = {ref.name: as_array(ref, payloads[ref.sha256]) for ref in announcement.tensors}
-        high_level = HighLevel.build(announcement, tensors)
+        high_level = HighLevel.build(announcement, tensors, self.newest.head)
         keep(high_level, self._folder)
         self.newest = high_level
         log.info("policy ready", version=str(announcement.version))

@@ -8,11 +8,12 @@ import os
 import sys
 import threading
 import time
-from collections.abc import Callable, Sequence
-from contextlib import closing
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import closing, suppress
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 
 from services.learner.aggregate import Label, canonical, derive, sha256_labels
 from services.learner.config import Recipe, TrainSettings
@@ -22,7 +23,7 @@ from services.learner.publish import announcement
 from services.learner.store.sql import SqlStore
 from services.learner.store.store import PolicyRecord, Round, Store
 from services.learner.store.tensors import TensorFiles, unpack
-from shared.errors import HldError, PolicyError
+from shared.errors import HldError, PolicyError, RefusedError
 from shared.goals.language.bank import PhraseBank
 from shared.messages.decision import Decision
 from shared.messages.observation import Observation
@@ -110,13 +111,35 @@ def grow(bank: PhraseBank, labels: Sequence[Label]) -> tuple[PhraseBank, dict[st
 def gather(labels: Sequence[Label], spelling: dict[str, str], store: Store) -> Examples:
     """The labelled decisions as the network reads them: what the high level saw, as it saw it."""
     seen = [*store.decisions(label.decision for label in labels)]
+    looks = [[*_past(decision), decision.id] for decision in seen]
+    shown = _shown((name for names in looks for name in names), store)
+    number = {name: row for row, name in enumerate(shown)}
+    rows = np.full((len(looks), max(map(len, looks))), -1)
+    for row, names in zip(rows, looks, strict=True):
+        row[len(row) - len(names) :] = [number.get(name, -1) for name in names]
     return Examples(
-        images=np.stack([decision.arrays["images"] for decision in seen]),
+        images=np.stack([*shown.values()]),
         prompts=[decision.prompt for decision in seen],
         previous=[decision.previous for decision in seen],
         labels=[spelling[label.text] for label in labels],
         weights=np.array([label.weight for label in labels], np.float32),
+        senses=np.stack([decision.arrays["proprioception"] for decision in seen]),
+        looks=rows,
     )
+
+
+def _past(decision: Decision) -> list[str]:
+    """Ids of the earlier decisions whose pictures were shown with this one, oldest first."""
+    return [f"{decision.episode}-{index}" for index in decision.past]
+
+
+def _shown(ids: Iterable[str], store: Store) -> dict[str, NDArray[np.uint8]]:
+    """The pictures of decisions by their ids; those that never arrived are missing."""
+    shown = {}
+    for id_ in dict.fromkeys(ids):
+        with suppress(RefusedError):
+            shown[id_] = np.array(next(iter(store.decisions([id_]))).arrays["images"])
+    return shown
 
 
 def agreement(policy: HighLevel, labels: Sequence[Label], store: Store) -> float | None:
@@ -125,10 +148,16 @@ def agreement(policy: HighLevel, labels: Sequence[Label], store: Store) -> float
         return None
     seen = store.decisions(label.decision for label in labels)
     right = [
-        canonical(policy.propose(observation_of(decision))[0].goal.text) == label.text
+        canonical(policy.propose(observation_of(decision), past_of(decision, store))[0].goal.text)
+        == label.text
         for label, decision in zip(labels, seen, strict=True)
     ]
     return sum(right) / len(right)
+
+
+def past_of(decision: Decision, store: Store) -> list[NDArray[np.uint8]]:
+    """The earlier pictures that the high level was shown, oldest first."""
+    return [*_shown(_past(decision), store).values()]
 
 
 def observation_of(decision: Decision) -> Observation:

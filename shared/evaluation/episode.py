@@ -54,7 +54,7 @@ class Evaluator:
     def _make_high_level(self) -> seams.HighLevel:
         if self._plan.high_level == ORACLE:
             return Oracle(self._station)
-        return HighLevel.load(self._plan.high_level_folder())
+        return HighLevel.load(self._plan.high_level_folder(), self._plan.rollout.head)
 
     def __call__(self, case: Case) -> Row:
         """Roll out one episode."""

@@ -1,44 +1,44 @@
 """Fine-tunes the high level on demonstrations and corrections: the learning of each round.
 
 Warm start, a fresh optimizer, and a fixed share of corrections in each batch, whichever round
-they come from. The same seed on the same machine gives the same weights.
+they come from. Both heads learn from the same labels. The same seed on the same machine gives the
+same weights.
 
 Source: Shi et al. 2024 (arXiv 2403.12910), whose share is .1 and of the last round only; cf.
 Liu et al. 2023 (Sirius, arXiv 2211.08416), whose interventions have a share of .5.
 """
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Annotated, NamedTuple
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from pydantic import Field
 from torch import Tensor
 from torch.nn import functional as F
 
-from shared.config import Settings
 from shared.errors import PolicyError
 from shared.goals.language.bank import PhraseBank
 from shared.goals.language.encoder import Encoder, shared_encoder
 from shared.policies.examples import Examples
-from shared.policies.high_net import HighLevelNet, Question
-from shared.policies.precision import autocast
-from shared.policies.reading import forgetful, past_vectors, relit, shifted
+from shared.policies.high_net import HighLevelNet
+from shared.policies.precision import autocast, pixel_type
+from shared.policies.sources import Source, merge
+from shared.policies.variation import Variation
 
 Progress = Callable[[int, int, float], bool]
 AVERAGE = 0.98
 WARM_STEPS = 20
+TEXT_WEIGHT = 0.3
+"""Of the text head's loss, a sum over words, beside the bank's."""
 
 
-class FitSettings(Settings):
+class FitSettings(Variation):
     """How a round learns.
 
     steps: updates. batch: decisions in each. lr: the highest learning rate, then down a cosine.
     correction_share: part of each batch that is drawn from the corrections.
-    history_dropout: share of decisions that are shown without previous commands.
-    shift_px, brightness, tint, noise: how pictures are varied; noise in levels of 0..255.
     frozen_encoder: leave the eyes as they are, and train only what is behind them.
     half: compute in bfloat16; None: where the processor is made for it.
     """
@@ -48,11 +48,6 @@ class FitSettings(Settings):
     lr: Annotated[float, Field(gt=0, le=1)] = 1e-3
     weight_decay: Annotated[float, Field(ge=0, le=1)] = 1e-3
     correction_share: Annotated[float, Field(ge=0, le=1)] = 0.5
-    history_dropout: Annotated[float, Field(ge=0, le=1)] = 0.2
-    shift_px: Annotated[int, Field(ge=0, le=16)] = 3
-    brightness: Annotated[float, Field(ge=0, le=1)] = 0.12
-    tint: Annotated[float, Field(ge=0, le=1)] = 0.05
-    noise: Annotated[float, Field(ge=0, le=64)] = 3.0
     frozen_encoder: bool = False
     half: bool | None = None
     seed: Annotated[int, Field(ge=0)] = 0
@@ -61,8 +56,9 @@ class FitSettings(Settings):
 class FitReport(NamedTuple):
     """How a fit went.
 
-    steps: updates made. finished: not stopped early. loss: mean over the last updates.
-    agreement: share of decisions of the last updates whose label was the first choice.
+    steps: updates made. finished: not stopped early. loss: of the bank's head, mean over the last
+    updates. agreement: share of decisions of the last updates whose label was its first choice.
+    text_loss: of the text head, in nats a phrase.
     """
 
     steps: int
@@ -70,6 +66,7 @@ class FitReport(NamedTuple):
     loss: float
     agreement: float
     seconds: float
+    text_loss: float
 
 
 def _carry_on(step: int, steps: int, loss: float) -> bool:
@@ -88,79 +85,70 @@ def fit(
 ) -> FitReport:
     """Train `net` on in place, and leave it with the average of its last weights.
 
+    The text head takes in words of the bank that it didn't know.
     progress: told updates done, updates in all and the loss; False stops early.
 
     Raises:
         PolicyError: there is nothing to learn from, or a label is not in the bank.
     """
-    began = time.monotonic()
-    torch.manual_seed(settings.seed)
-    rng = np.random.default_rng(settings.seed)
-    sources = sources_of(
-        demonstrations, corrections, settings, bank, encoder or shared_encoder(), net
-    )
-    fitter = Fitter(net, settings)
-    phrases = torch.tensor(bank.vectors)
-    loss = agreement = 0.0
+    began, encoder = time.monotonic(), encoder or shared_encoder()
+    sources = sources_of(demonstrations, corrections, settings, bank, encoder, net)
+    net.text.learn(bank.phrases, encoder)
+    teacher, fitter = Teacher(net, bank), Fitter(net, settings)
+    lessons, text, agreement = Mean(), Mean(), Mean()
     done = 0
     for done in range(1, settings.steps + 1):
+        rng = np.random.default_rng([settings.seed, done])
         batch = merge([source.draw(rng) for source in sources])
-        question = vary(batch.question, settings, rng)
+        question = batch.varied(settings, rng, pixel_type(settings.half))
         with autocast(settings.half):
-            meaning = net(question)
-        logits = net.scores(meaning, phrases)
-        now = F.cross_entropy(logits, batch.labels)
-        fitter.update(now, done - 1)
-        fresh = max(0.03, 1.0 / done)
-        loss += (now.item() - loss) * fresh
-        agreement += ((logits.argmax(-1) == batch.labels).float().mean().item() - agreement) * fresh
-        if not progress(done, settings.steps, loss):
+            answer = net(question)
+        said = teacher.judge(answer.meaning, answer.thought, batch.labels)
+        fitter.update(said.bank + TEXT_WEIGHT * said.text, done - 1)
+        text.add(said.text.item())
+        agreement.add(said.right)
+        if not progress(done, settings.steps, lessons.add(said.bank.item())):
             break
     fitter.finish()
-    return FitReport(done, done == settings.steps, loss, agreement, time.monotonic() - began)
+    seconds = time.monotonic() - began
+    finished = done == settings.steps
+    return FitReport(done, finished, lessons.value, agreement.value, seconds, text.value)
 
 
-class Batch(NamedTuple):
-    """A question and the rows of the bank that answer it, [B] int64."""
+class Said(NamedTuple):
+    """bank, text: losses of the two heads. right: share in which the bank's first choice was."""
 
-    question: Question
-    labels: Tensor
+    bank: Tensor
+    text: Tensor
+    right: float
 
 
-class Source:
-    """Examples that a fixed number of each batch is drawn from, by their weights."""
+class Teacher:
+    """Holds what both heads say against the labels."""
 
-    def __init__(
-        self, examples: Examples, count: int, bank: PhraseBank, encoder: Encoder, history: int
-    ) -> None:
-        total = float(examples.weights.sum())
-        if total <= 0:
-            raise PolicyError("there is nothing to learn from: all examples have weight 0")
-        self.count = count
-        self._sums: NDArray[np.float64] = np.cumsum(examples.weights, dtype=np.float64) / total
-        self._images = examples.images
-        self._prompts = encoder.embed(examples.prompts)
-        self._previous = past_vectors(encoder, examples.previous, history)
-        rows = {phrase: row for row, phrase in enumerate(bank.phrases)}
-        unknown = sorted(set(examples.labels) - set(rows))
-        if unknown:
-            raise PolicyError(f"labels that the bank does not hold: {', '.join(unknown)}")
-        self._labels = np.array([rows[label] for label in examples.labels], np.int64)
+    def __init__(self, net: HighLevelNet, bank: PhraseBank) -> None:
+        self._net, self._phrases = net, torch.tensor(bank.vectors)
+        self._rows = net.text.rows(bank.phrases)
 
-    def draw(self, rng: np.random.Generator) -> Batch:
-        """`count` examples, with replacement."""
-        return self.at(self.choose(rng))
+    def judge(self, meaning: Tensor, thought: Tensor, labels: Tensor) -> Said:
+        """meaning [B, 384], thought [B, 256], labels [B]: rows of the bank."""
+        logits = self._net.scores(meaning, self._phrases)
+        right = (logits.argmax(-1) == labels).float().mean().item()
+        text = self._net.text.loss(thought, self._rows[labels])
+        return Said(F.cross_entropy(logits, labels), text, right)
 
-    def choose(self, rng: np.random.Generator) -> NDArray[np.int64]:
-        """Rows drawn by weight."""
-        rows = np.searchsorted(self._sums, rng.random(self.count), side="right")
-        return np.minimum(rows, len(self._sums) - 1)
 
-    def at(self, rows: NDArray[np.int64]) -> Batch:
-        """The examples of these rows."""
-        arrays = self._images[rows], self._prompts[rows], self._previous[rows]
-        question = Question(*(torch.from_numpy(array) for array in arrays))
-        return Batch(question, torch.from_numpy(self._labels[rows]))
+class Mean:
+    """A running mean of the last updates."""
+
+    def __init__(self, least: float = 0.03) -> None:
+        self.value, self._count, self._least = 0.0, 0, least
+
+    def add(self, value: float) -> float:
+        """The mean with `value` in it."""
+        self._count += 1
+        self.value += (value - self.value) * max(self._least, 1.0 / self._count)
+        return self.value
 
 
 def sources_of(
@@ -181,27 +169,10 @@ def sources_of(
         share = 1.0
     corrected = round(settings.batch * share)
     parts = ((demonstrations, settings.batch - corrected), (corrections, corrected))
-    sources = [
-        Source(part, count, bank, encoder, net.history) for part, count in parts if part and count
-    ]
+    sources = [Source(part, count, bank, encoder, net) for part, count in parts if part and count]
     if not sources:
         raise PolicyError("there is nothing to learn from: no demonstrations, no corrections")
     return sources
-
-
-def merge(batches: list[Batch]) -> Batch:
-    """Batches one after another."""
-    questions = [batch.question for batch in batches]
-    question = Question(*(torch.cat(parts) for parts in zip(*questions, strict=True)))
-    return Batch(question, torch.cat([batch.labels for batch in batches]))
-
-
-def vary(question: Question, settings: FitSettings, rng: np.random.Generator) -> Question:
-    """The same question, seen a little differently."""
-    images = shifted(question.images, settings.shift_px, rng)
-    pixels = relit(images.float(), settings.brightness, settings.tint, settings.noise, rng)
-    past = forgetful(question.previous, settings.history_dropout, rng)
-    return Question(pixels, question.prompts, past)
 
 
 class Fitter:
@@ -211,14 +182,14 @@ class Fitter:
         self,
         net: HighLevelNet,
         settings: FitSettings,
-        others: list[torch.nn.Parameter] | None = None,
+        others: Iterable[torch.nn.Parameter] = (),
     ) -> None:
         frozen = {id(part) for part in net.eyes.parameters()} if settings.frozen_encoder else set()
         self._own = [part for part in net.parameters() if id(part) not in frozen]
         self._average = [part.detach().clone() for part in self._own]
-        self._trained = self._own + (others or [])
+        self._trained = [*self._own, *others]
         self._optimizer = torch.optim.AdamW(
-            self._trained, lr=settings.lr, weight_decay=settings.weight_decay
+            self._trained, lr=settings.lr, weight_decay=settings.weight_decay, fused=True
         )
         self._settings = settings
         net.train()
@@ -238,6 +209,29 @@ class Fitter:
         keep = min(AVERAGE, (step + 1) / (step + 10))
         with torch.no_grad():
             torch._foreach_lerp_(self._average, list[Tensor](self._own), 1 - keep)
+
+    def state(self) -> dict[str, Tensor]:
+        """Weights, moments and means: what `restore` needs to go on as if nothing had been."""
+        state = {f"average.{row}": part for row, part in enumerate(self._average)}
+        for row, part in enumerate(self._trained):
+            state[f"weight.{row}"] = part.detach()
+            for name, moment in self._optimizer.state[part].items():
+                state[f"{name}.{row}"] = moment
+        return state
+
+    def restore(self, state: dict[str, Tensor]) -> None:
+        """Go on from what `state` gave."""
+        moments = {name.split(".")[0] for name in state} - {"average", "weight"}
+        with torch.no_grad():
+            for row, part in enumerate(self._average):
+                part.copy_(state[f"average.{row}"])
+            for row, part in enumerate(self._trained):
+                part.copy_(state[f"weight.{row}"])
+                found = {
+                    name: state[f"{name}.{row}"] for name in moments if f"{name}.{row}" in state
+                }
+                if found:
+                    self._optimizer.state[part] = found
 
     def finish(self) -> None:
         """Put the averaged weights into the network."""

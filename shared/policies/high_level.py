@@ -1,8 +1,10 @@
-"""The high level: looks, reads the prompt, and proposes every command it knows, best first."""
+"""The high level: looks, reads the prompt, and proposes what to do next, best first."""
 
+import threading
+from collections import OrderedDict
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import torch
@@ -17,15 +19,22 @@ from shared.messages.observation import Observation
 from shared.messages.policy import PolicyAnnouncement, Version
 from shared.policies import checkpoint
 from shared.policies.checkpoint import Setting, Tensors
-from shared.policies.high_net import HighLevelNet, Question
-from shared.policies.reading import past_vectors
+from shared.policies.examples import PIXELS
+from shared.policies.high_net import SENSES, VIEWS, Answer, HighLevelNet, Question
+from shared.policies.reading import halved, past_vectors, read_words
+from shared.policies.wishes import Words
 
 BASE_VERSION = Version(1, 0)
+REMEMBERED = 256
+
+Head = Literal["bank", "text"]
+"""Which head answers: every phrase of the bank is scored, or phrases are made word by word."""
 
 
 class HighLevel:
     """A version of the high level: a network, the phrases that belong to it, and its number.
 
+    head: which of the network's two heads answers `propose`.
     Safe to be asked from several threads, as long as nobody trains `net` meanwhile.
     """
 
@@ -35,14 +44,17 @@ class HighLevel:
         bank: PhraseBank,
         version: Version,
         encoder: Encoder | None = None,
+        head: Head = "bank",
     ) -> None:
-        self.net, self.bank, self.version = net.eval(), bank, version
+        self.net, self.bank, self.version, self.head = net.eval(), bank, version, head
         self._encoder = encoder or shared_encoder()
         self._phrases = torch.tensor(bank.vectors)
         self._goals = tuple(LanguageGoal(text=phrase) for phrase in bank.phrases)
+        self._read: OrderedDict[str, Words] = OrderedDict()
+        self._lock = threading.Lock()
 
     @classmethod
-    def load(cls, folder: Path) -> "HighLevel":
+    def load(cls, folder: Path, head: Head = "bank") -> "HighLevel":
         """The high level of a checkpoint.
 
         Raises:
@@ -51,11 +63,14 @@ class HighLevel:
         tensors, card = checkpoint.load(folder)
         phrases = str(card.settings.get("bank", "")).split("\n")
         net = build_net(card.settings, tensors)
-        return cls(net, PhraseBank.of(phrases), Version.parse(card.version))
+        return cls(net, PhraseBank.of(phrases), Version.parse(card.version), head=head)
 
     @classmethod
     def build(
-        cls, announcement: PolicyAnnouncement, tensors: Mapping[str, NDArray[Any]]
+        cls,
+        announcement: PolicyAnnouncement,
+        tensors: Mapping[str, NDArray[Any]],
+        head: Head = "bank",
     ) -> "HighLevel":
         """The version that a learner announced, from the tensors that it published.
 
@@ -69,22 +84,67 @@ class HighLevel:
                 f"but {sorted(tensors)} came"
             )
         net = build_net(announcement.settings, tensors)
-        return cls(net, PhraseBank.of(announcement.bank), announcement.version)
+        return cls(net, PhraseBank.of(announcement.bank), announcement.version, head=head)
 
     def propose(
         self, observation: Observation, past: Sequence[NDArray[np.uint8]] = ()
     ) -> tuple[Proposal, ...]:
-        """Every phrase of the bank with its probability, best first."""
-        del past  # Unused: this network looks at the present only.
-        images = torch.from_numpy(np.ascontiguousarray(observation.arrays["images"]))
-        previous = past_vectors(self._encoder, [observation.previous], self.net.history)
-        prompt = self._encoder.embed([observation.prompt])
-        question = Question(images[None], torch.from_numpy(prompt), torch.from_numpy(previous))
+        """Goals with their probabilities, best first.
+
+        From the bank's head all phrases of the bank; from the text head the most probable phrases
+        that it can make, whose probabilities sum to at most 1.
+        past: earlier looks, as in `rollout.robot.HighLevel`; the last ones are used, and fewer do.
+
+        Raises:
+            PolicyError: the observation has another number of views or senses.
+        """
         with torch.inference_mode():
-            logits = self.net.scores(self.net(question), self._phrases)[0]
-            shares = torch.softmax(logits.double(), -1).numpy()
+            answer = self.net(self._question(observation, past))
+            if self.head == "text":
+                return self._made(answer)
+            return self._scored(answer)
+
+    def _scored(self, answer: Answer) -> tuple[Proposal, ...]:
+        logits = self.net.scores(answer.meaning, self._phrases)[0]
+        shares = torch.softmax(logits.double(), -1).numpy()
         order = np.argsort(-shares, kind="stable")
         return tuple(Proposal(goal=self._goals[row], score=float(shares[row])) for row in order)
+
+    def _made(self, answer: Answer) -> tuple[Proposal, ...]:
+        phrases = self.net.text.phrases(answer.thought)
+        return tuple(Proposal(goal=LanguageGoal(text=text), score=share) for text, share in phrases)
+
+    def _question(self, observation: Observation, past: Sequence[NDArray[np.uint8]]) -> Question:
+        images = np.ascontiguousarray(observation.arrays["images"])
+        senses = np.array(observation.arrays["proprioception"], np.float32)
+        if (len(images), *senses.shape) != (VIEWS, SENSES):
+            raise PolicyError(
+                f"this high level sees {VIEWS} views and feels {SENSES} numbers; it was shown "
+                f"{len(images)} views and proprioception of shape {senses.shape}"
+            )
+        looks = [*past, images][-self.net.looks :]
+        missing = self.net.looks - len(looks)
+        glimpses = np.zeros((missing, VIEWS, PIXELS // 2, PIXELS // 2, 3), np.uint8)
+        glimpses = np.concatenate([glimpses, halved(np.stack(looks))])
+        seen = np.arange(self.net.looks) >= missing
+        previous = past_vectors(self._encoder, [observation.previous], self.net.history)
+        return Question(
+            torch.from_numpy(images)[None],
+            torch.from_numpy(glimpses)[None],
+            torch.from_numpy(seen)[None],
+            torch.from_numpy(senses)[None],
+            self._words(observation.prompt),
+            torch.from_numpy(previous),
+        )
+
+    def _words(self, prompt: str) -> Words:
+        """A prompt's words; an episode asks with the same ones again and again."""
+        with self._lock:
+            if prompt not in self._read:
+                self._read[prompt] = read_words(self._encoder, [prompt])
+            while len(self._read) > REMEMBERED:
+                self._read.popitem(last=False)
+            return self._read[prompt]
 
     def tensors(self) -> Tensors:
         """Copies of all tensors by name."""
@@ -93,7 +153,8 @@ class HighLevel:
 
     def settings(self) -> dict[str, Setting]:
         """What `build` needs besides the tensors and the bank."""
-        return {"history": self.net.history, "reading": self.net.reading}
+        net = self.net
+        return {"history": net.history, "looks": net.looks, "words": " ".join(net.text.words)}
 
 
 def build_net(settings: Mapping[str, Setting], tensors: Mapping[str, NDArray[Any]]) -> HighLevelNet:
@@ -103,7 +164,8 @@ def build_net(settings: Mapping[str, Setting], tensors: Mapping[str, NDArray[Any
         PolicyError: a setting is missing, or the tensors are not this network's.
     """
     try:
-        net = HighLevelNet(int(settings["history"]), int(settings["reading"]))
+        words = tuple(str(settings["words"]).split())
+        net = HighLevelNet(int(settings["history"]), int(settings["looks"]), words)
         net.load_state_dict({name: torch.tensor(value) for name, value in tensors.items()})
     except (KeyError, RuntimeError) as error:
         raise PolicyError(f"these tensors are no high level: {error}") from None

@@ -16,6 +16,12 @@ def autocast(enabled: bool | None = None) -> AbstractContextManager[object]:
     return contextlib.nullcontext()
 
 
+def pixel_type(enabled: bool | None = None) -> torch.dtype:
+    """What pictures are to be made of for `autocast`."""
+    on = fast_bfloat16() if enabled is None else enabled
+    return torch.bfloat16 if on else torch.float32
+
+
 def fast_bfloat16() -> bool:
     """Whether this processor has matrix units for bfloat16."""
     return bool(torch.cpu._is_amx_tile_supported())

@@ -1,7 +1,7 @@
 """Settings of a rollout."""
 
 from enum import StrEnum
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field
 
@@ -44,6 +44,8 @@ class RolloutSettings(Settings):
     max_steps: control steps after which an episode is a failure; None: as the scene deserves.
     supervised: in lockstep, stand still at each decision until a verdict comes.
     top: proposals that a decision carries.
+    head: what of the high level answers: "bank" scores the phrases that it knows, "text" makes
+        phrases word by word.
     """
 
     control_hz: Annotated[float, Field(gt=0, le=1000)] = 50.0
@@ -63,6 +65,7 @@ class RolloutSettings(Settings):
     max_steps: Annotated[int, Field(ge=1, le=100_000)] | None = None
     supervised: bool = False
     top: Annotated[int, Field(ge=1, le=64)] = 11
+    head: Literal["bank", "text"] = "bank"
 
     @property
     def patience_steps(self) -> int:

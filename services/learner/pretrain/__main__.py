@@ -70,7 +70,7 @@ def _pretrain(out: Path, scale: str, seed: int, workers: int, console: Console) 
             run = Pretraining(out, SCALES[scale], seed, pool, Bars(progress))
             low_level = run.low_level()
             lessons = run.demonstrations(low_level)
-            high_level = run.high_level(lessons)
+            high_level = run.high_level(lessons, low_level)
             run.replay(lessons)
             examine(run, low_level, high_level)
         except BaseException:

@@ -6,12 +6,15 @@ import numpy as np
 
 from shared.workcell import skills
 from shared.workcell.objects import BODY_NAMES, KITCHEN, OBJECT_NAMES, TABLE, Stock
-from shared.workcell.skills import COMMANDS, SKILLS, Skill
+from shared.workcell.skills import SKILLS, Skill
 from shared.workcell.state import CellState
 from shared.workcell.tasks import TASKS
 from shared.workcell.tasks.task import Brief, Task
 
 PATIENCE_DECISIONS = 7
+WRONG_DECISIONS = 6
+"""A wrong stretch is as long as this at most: longer than the history that a high level is shown,
+so that it also learns to leave what it said four times over."""
 
 
 class Commander(Protocol):
@@ -25,7 +28,7 @@ class Commander(Protocol):
 class TaskCommander:
     """The oracle of a task, which now and then says something wrong for a while.
 
-    slips: chance that a decision begins a wrong stretch of 1 to 3 decisions.
+    slips: chance that a decision begins a wrong stretch of some decisions.
     """
 
     def __init__(
@@ -43,14 +46,16 @@ class TaskCommander:
             self._rest -= 1
             if self._rest < 0:
                 return None
-        said = self._mistake() or self.right
+        said = self._mistake(state) or self.right
         self.previous = said
         return said
 
-    def _mistake(self) -> str:
+    def _mistake(self, state: CellState) -> str:
+        """Something that could be done, but needn't be right; most often nothing."""
         if self._wrong_left == 0 and self._rng.random() < self._slips:
-            self._wrong = str(self._rng.choice(COMMANDS))
-            self._wrong_left = int(self._rng.integers(1, 4))
+            possible = [skill.text for skill in SKILLS if skills.possible(skill, state)]
+            self._wrong = str(self._rng.choice(possible))
+            self._wrong_left = int(self._rng.integers(1, 1 + WRONG_DECISIONS))
         if self._wrong_left == 0:
             return ""
         self._wrong_left -= 1

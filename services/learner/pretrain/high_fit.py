@@ -1,50 +1,86 @@
-"""Trains the base of the high level on the demonstrations, with a witness that learning alone has.
+"""Trains the base of the high level on the demonstrations, with witnesses that learning alone has.
 
-The witness must tell from the network's slots where each object is; that makes the eyes see
-objects and not only backgrounds. It is thrown away afterwards.
+One must tell from the network's slots where each body is, one from its wishes what the prompt
+means for each thing; that makes the eyes see things and the ears hear words. They are thrown away
+afterwards.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import torch
+from safetensors.torch import load_file, save_file
 from torch import Tensor, nn
 from torch.nn import functional as F
 
-from services.learner.pretrain.demonstrate import Demonstrations
+from services.learner.pretrain.demonstrate import ABSENT, STATUSES, Demonstrations
+from services.learner.pretrain.meanings import Meanings, Prompts, Reader, meanings_of
 from shared.goals.language.bank import PhraseBank
 from shared.goals.language.encoder import shared_encoder
-from shared.policies.fit import FitSettings, Fitter, Source, vary
-from shared.policies.high_net import SIGHT, SLOTS, HighLevelNet
-from shared.policies.precision import autocast
+from shared.policies.fit import TEXT_WEIGHT, FitSettings, Fitter, Mean, Teacher
+from shared.policies.high_net import SIGHT, HighLevelNet
+from shared.policies.precision import autocast, pixel_type
+from shared.policies.sources import Batch, Source, joined
 
-STATUSES = 4
-WITNESS_WEIGHT = 0.5
+SIGHT_WEIGHT, MEANING_WEIGHT = 0.5, 0.5
+PROMPTS = 16
+"""Prompts without pictures in each update."""
+KEPT_UPDATES = 400
+"""Updates from one save to the next: a stop loses about a minute."""
 
 
 @dataclass(frozen=True)
 class Fitted:
-    """agreement: share of the last decisions in which the label came first.
-    status: share of objects whose whereabouts the witness told."""
+    """Shares over the last updates. agreement: of decisions whose label came first.
+    status: of bodies whose whereabouts were told. meaning: of things whose wish was told."""
 
     agreement: float
     status: float
+    meaning: float
 
 
 class Witness(nn.Module):
-    """From each slot: on the table, in a hand, on the plate or in the bin; and where."""
+    """From each slot: on the table, in a hand, and so on; and where."""
 
     def __init__(self) -> None:
         super().__init__()
-        self.status = nn.Linear(SIGHT, STATUSES)
+        self.status = nn.Linear(SIGHT, len(STATUSES))
         self.position = nn.Linear(SIGHT, 3)
 
-    def loss(self, slots: Tensor, status: Tensor, positions: Tensor) -> Tensor:
-        """slots [B, O, SIGHT]; status [B, O]; positions [B, O, 3] in m."""
-        told = F.cross_entropy(self.status(slots).flatten(0, 1), status.flatten())
-        off = F.smooth_l1_loss(self.position(slots), positions * 5, beta=0.2)
-        return told + 4.0 * off
+    def loss(self, slots: Tensor, status: Tensor, positions: Tensor) -> tuple[Tensor, float]:
+        """The loss, and the share of statuses that were told.
+
+        slots [B, O, SIGHT]; status [B, O]; positions [B, O, 3] in m, of no account where absent.
+        """
+        logits = self.status(slots)
+        told = F.cross_entropy(logits.flatten(0, 1), status.flatten())
+        there = (status != ABSENT)[..., None]
+        off = F.smooth_l1_loss(
+            self.position(slots) * there, positions * 5 * there, beta=0.2, reduction="sum"
+        )
+        right = (logits.argmax(-1) == status).float().mean().item()
+        return told + 4.0 * off / (3 * there.sum()), right
+
+
+class _Lessons:
+    """Demonstrations made ready, with what only training knows of them."""
+
+    def __init__(self, lessons: Demonstrations, count: int, bank: PhraseBank, net: HighLevelNet):
+        self.source = Source(lessons.examples, count, bank, shared_encoder(), net)
+        self._status = torch.from_numpy(lessons.status)
+        self._positions = torch.from_numpy(lessons.positions)
+        prompts = sorted(set(lessons.examples.prompts))
+        number = {prompt: row for row, prompt in enumerate(prompts)}
+        self._prompt = torch.tensor([number[prompt] for prompt in lessons.examples.prompts])
+        self._meanings = meanings_of(prompts)
+
+    def draw(self, rng: np.random.Generator) -> tuple[Batch, Tensor, Tensor, Meanings]:
+        """A batch; of each decision statuses, positions, and what its prompt means."""
+        rows = self.source.choose(rng)
+        truth = self._status[rows], self._positions[rows], self._meanings.at(self._prompt[rows])
+        return self.source.at(rows), *truth
 
 
 def fit_high(
@@ -53,51 +89,91 @@ def fit_high(
     lessons: Demonstrations,
     settings: FitSettings,
     progress: Callable[[int, int, float], bool],
+    prompts: int = 6000,
+    kept: Path | None = None,
 ) -> Fitted:
     """Train `net` in place on demonstrations alone.
 
     progress: told updates done, updates in all and the loss; False stops early.
+    prompts: how many are drawn to learn from without pictures.
+    kept: file of what is under way; with it a fit that was stopped goes on where it was.
     """
+    net.text.learn(bank.phrases, shared_encoder())
     torch.manual_seed(settings.seed)
-    rng = np.random.default_rng(settings.seed)
-    source = Source(lessons.examples, settings.batch, bank, shared_encoder(), net.history)
-    witness, phrases = Witness(), torch.tensor(bank.vectors)
-    fitter = Fitter(net, settings, list(witness.parameters()))
-    right = known = recent = 0.0
-    for step in range(settings.steps):
-        rows = source.choose(rng)
-        batch = source.at(rows)
-        question = vary(batch.question, settings, rng)
-        status = torch.from_numpy(lessons.status[rows])
+    ready = _Lessons(lessons, settings.batch, bank, net)
+    more = Prompts(prompts, settings.seed, shared_encoder())
+    sight, reader = Witness(), Reader()
+    fitter = Fitter(net, settings, [*sight.parameters(), *reader.parameters()])
+    teacher, lost = Teacher(net, bank), Mean(0.02)
+    right, known, meant = Mean(0.02), Mean(0.02), Mean(0.02)
+    for step in range(_resumed(fitter, kept), settings.steps):
+        rng = np.random.default_rng([settings.seed, step + 1])
+        batch, status, positions, meanings = ready.draw(rng)
+        extra, extra_meanings = more.draw(PROMPTS, rng)
+        question = batch.varied(settings, rng, pixel_type(settings.half))
         with autocast(settings.half):
-            slots = net.see(question.images).float()
-            meaning = net.decide(slots, net.wish(question.prompts), question.previous)
-        logits = net.scores(meaning, phrases)
-        said = F.cross_entropy(logits, batch.labels)
-        seen = witness.loss(slots, status, torch.from_numpy(lessons.positions[rows]))
-        witness.zero_grad()
-        fitter.update(said + WITNESS_WEIGHT * seen, step)
-        fresh = max(0.02, 1.0 / (step + 1))
-        right += ((logits.argmax(-1) == batch.labels).float().mean().item() - right) * fresh
-        told = (witness.status(slots).argmax(-1) == status).float().mean().item()
-        known += (told - known) * fresh
-        recent += (said.item() - recent) * fresh
-        if not progress(step + 1, settings.steps, recent):
+            slots = net.see(question.images)
+            wishes = net.wish(joined((question.words, extra)))
+            answer = net.decide(slots, wishes[: len(slots)], question)
+        said = teacher.judge(answer.meaning, answer.thought, batch.labels)
+        seen, found = sight.loss(slots.float(), status, positions)
+        heard, understood = reader.loss(wishes, _both(meanings, extra_meanings))
+        loss = said.bank + TEXT_WEIGHT * said.text
+        fitter.update(loss + SIGHT_WEIGHT * seen + MEANING_WEIGHT * heard, step)
+        for mean, value in ((right, said.right), (known, found), (meant, understood)):
+            mean.add(value)
+        if kept and (step + 1) % KEPT_UPDATES == 0:
+            _keep(fitter, step + 1, kept)
+        if not progress(step + 1, settings.steps, lost.add(said.bank.item())):
             break
     fitter.finish()
-    assert lessons.status.shape[1] == SLOTS
-    return Fitted(right, known)
+    return Fitted(right.value, known.value, meant.value)
 
 
-def agreement(net: HighLevelNet, bank: PhraseBank, lessons: Demonstrations) -> float:
-    """Share of decisions whose label is the first choice, without any variation."""
-    source = Source(lessons.examples, 1, bank, shared_encoder(), net.history)
-    phrases, hits = torch.tensor(bank.vectors), 0
+def _both(one: Meanings, other: Meanings) -> Meanings:
+    return Meanings(*(torch.cat(parts) for parts in zip(one, other, strict=True)))
+
+
+def _keep(fitter: Fitter, done: int, file: Path) -> None:
+    """Write beside the file and move it there, so that it is always whole."""
+    beside = file.with_name(f"unfinished-{file.name}")
+    save_file({**fitter.state(), "done": torch.tensor(done)}, beside)
+    beside.rename(file)
+
+
+def _resumed(fitter: Fitter, file: Path | None) -> int:
+    """Take up what was kept; how many updates it had made."""
+    if file is None or not file.exists():
+        return 0
+    state = load_file(file)
+    done = int(state.pop("done"))
+    fitter.restore(state)
+    return done
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """Share of decisions whose label is the first choice of each head, without any variation."""
+
+    bank: float
+    text: float
+
+
+def agreement(net: HighLevelNet, bank: PhraseBank, lessons: Demonstrations) -> Agreement:
+    """How far both heads agree with the labels; the text head where its likeliest phrase is one."""
+    source = Source(lessons.examples, 1, bank, shared_encoder(), net)
+    phrases, rows = torch.tensor(bank.vectors), net.text.rows(bank.phrases)
+    hits = said = 0
     with torch.inference_mode():
-        for rows in np.array_split(
-            np.arange(len(lessons.examples)), 1 + len(lessons.examples) // 256
-        ):
-            batch = source.at(rows)
-            logits = net.scores(net(batch.question), phrases)
-            hits += int((logits.argmax(-1) == batch.labels).sum())
-    return hits / len(lessons.examples)
+        for part in np.array_split(np.arange(len(lessons)), 1 + len(lessons) // 256):
+            batch = source.at(part)
+            answer = net(batch.question())
+            hits += int((net.scores(answer.meaning, phrases).argmax(-1) == batch.labels).sum())
+            likely = torch.stack([_nats(net, answer.thought, row) for row in rows], -1)
+            said += int((likely.argmin(-1) == batch.labels).sum())
+    return Agreement(hits / len(lessons), said / len(lessons))
+
+
+def _nats(net: HighLevelNet, thoughts: Tensor, row: Tensor) -> Tensor:
+    """-log p of one phrase for each thought, [B]."""
+    return net.text.nats(thoughts, row.expand(len(thoughts), -1))

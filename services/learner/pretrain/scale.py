@@ -20,14 +20,28 @@ class LowRound(Settings):
     lr: float = 1.5e-3
 
 
+class HighRound(Settings):
+    """One turn of DAgger on the high level, all in the lab and with the task's oracle.
+
+    driven: episodes in which the high level of the round before says what is done.
+    updates: of the fit on all demonstrations so far.
+    """
+
+    driven: Count
+    updates: Count
+    lr: float = 1e-3
+
+
 class Scale(Settings):
     """low: rounds of the low level; in the first the expert drives alone. phrases: that its reader
     knows of each command; None: all.
 
     expert_episodes, learned_episodes: demonstrations by the expert's hand and by the low level's;
     expert_mistakes, learned_mistakes: chance that a decision in them begins a wrong stretch.
-    validation_episodes: more of the latter, never trained on. high_updates, high_batch: of the
-    high level's fit. replay: decisions that are kept for the learner's rounds.
+    validation_episodes: more of the latter, never trained on.
+    high: rounds of the high level; in the first nothing has been driven. high_batch: decisions in
+    an update. prompts: how many are drawn for it without pictures. replay: decisions that
+    are kept for the learner's rounds, at most.
     chains, tasks, trials: episodes that the skills, the oracle's tasks and the high level are
     examined in.
     """
@@ -39,9 +53,9 @@ class Scale(Settings):
     expert_mistakes: float = 0.05
     learned_mistakes: float = 0.10
     validation_episodes: Count
-    high_updates: Count
+    high: tuple[HighRound, ...]
     high_batch: Count
-    high_lr: float
+    prompts: Count
     replay: Count
     chains: Count
     tasks: Count
@@ -55,9 +69,9 @@ SCALES = {
         expert_episodes=8,
         learned_episodes=2,
         validation_episodes=2,
-        high_updates=60,
+        high=(HighRound(driven=0, updates=60),),
         high_batch=48,
-        high_lr=1e-3,
+        prompts=200,
         replay=64,
         chains=2,
         tasks=2,
@@ -69,12 +83,12 @@ SCALES = {
             LowRound(practice=200_000, updates=5_000, lr=2e-3),
             LowRound(practice=200_000, updates=6_000, lr=1.8e-3),
         ),
-        expert_episodes=400,
-        learned_episodes=800,
+        expert_episodes=1_200,
+        learned_episodes=1_000,
         validation_episodes=40,
-        high_updates=6_000,
+        high=(HighRound(driven=0, updates=9_000), HighRound(driven=400, updates=4_000, lr=7e-4)),
         high_batch=96,
-        high_lr=1e-3,
+        prompts=6_000,
         replay=1_500,
         chains=60,
         tasks=120,

@@ -1,7 +1,8 @@
 """The recipe as stages, each kept in the output folder: what is there already is not done again.
 
-practice-N → low-N for each round, then demonstrations, then high_level. The seeds of a stage
-depend on the stage alone, so that a resumed run gives the same data as one that never stopped.
+practice-N → low-N for each round, then demonstrations, then high-N, which drive in between.
+The seeds of a stage depend on the stage alone, so that a resumed run gives the same data as one
+that never stopped.
 """
 
 import hashlib
@@ -23,7 +24,6 @@ from services.learner.pretrain.practice import Steps, practise
 from services.learner.pretrain.replay import choose
 from services.learner.pretrain.scale import Scale
 from shared.goals.language.bank import PhraseBank
-from shared.goals.language.encoder import shared_encoder
 from shared.policies import checkpoint, examples
 from shared.policies.fit import FitSettings
 from shared.policies.geometry import Geometry
@@ -37,6 +37,7 @@ from shared.workcell.skills import COMMANDS
 PARTS = 16
 """Pieces of a stage that processes share; their number decides the seeds, so it is fixed."""
 VALIDATION_SEED = DEMONSTRATION.stop - 100_000_000
+DRIVEN_SEED = DEMONSTRATION.stop - 200_000_000
 EXAM_SEED = DEMONSTRATION.stop - 50_000_000
 
 
@@ -113,37 +114,57 @@ class Pretraining:
         episodes = self.scale.validation_episodes
         return self._demonstrate("validation", VALIDATION_SEED, episodes, low_level)
 
-    def _demonstrate(self, name: str, first: int, count: int, hand: Path | None) -> Demonstrations:
+    def _demonstrate(
+        self, name: str, first: int, count: int, hand: Path | None, driver: Path | None = None
+    ) -> Demonstrations:
         file = self.out / f"demonstrations-{name}.safetensors"
         if not file.exists():
             seeds = range(first, first + count)
             pieces = [tuple(seeds[part::PARTS]) for part in range(min(PARTS, count))]
             scale = self.scale
             mistakes = scale.learned_mistakes if hand else scale.expert_mistakes
-            jobs = [(Lesson(piece, hand, mistakes),) for piece in pieces]
+            jobs = [(Lesson(piece, hand, mistakes, driver),) for piece in pieces]
             done = self.share(f"demonstrations {name}", demonstrate.demonstrate, jobs)
             _write(file, demonstrate.join(done).save)
         return Demonstrations.load(file)
 
-    def high_level(self, lessons: Demonstrations) -> Path:
-        """The base of the high level."""
-        folder = self.out / "high-base"
+    def high_level(self, lessons: Demonstrations, low_level: Path) -> Path:
+        """The base of the high level: fit, let it drive, fit again; the last round's folder."""
+        parts, folder = [lessons], None
+        for number, round_ in enumerate(self.scale.high):
+            if round_.driven and folder:
+                first = DRIVEN_SEED + self.seed * 1_000_000 + number * 10_000
+                name = f"driven-{number}"
+                parts.append(self._demonstrate(name, first, round_.driven, low_level, folder))
+            folder = self._fit_high(number, parts, folder)
+        assert folder is not None  # A scale has at least one round.
+        return folder
+
+    def _fit_high(self, number: int, parts: list[Demonstrations], before: Path | None) -> Path:
+        folder = self.out / f"high-{number}"
         if not (folder / checkpoint.CARD_FILE).exists():
-            scale = self.scale
+            lessons = parts[0] if len(parts) == 1 else demonstrate.join(parts)
+            scale, round_ = self.scale, self.scale.high[number]
             settings = FitSettings(
-                steps=scale.high_updates, batch=scale.high_batch, lr=scale.high_lr, seed=self.seed
+                steps=round_.updates, batch=scale.high_batch, lr=round_.lr, seed=self.seed
             )
-            tell = self.reporter.stage("high level", settings.steps)
-            torch.manual_seed(self.seed)
-            net, bank = HighLevelNet(), PhraseBank.of(COMMANDS)
-            prompts = shared_encoder().embed(sorted(set(lessons.examples.prompts)))
-            net.learn_prompts(torch.tensor(prompts))
-            fit_high(net, bank, lessons, settings, _told(tell))
+            tell = self.reporter.stage(f"high level {number}", settings.steps)
+            bank = PhraseBank.of(COMMANDS)
+            net = HighLevel.load(before).net if before else self._fresh_high(lessons)
+            kept = self.out / f"high-{number}-under-way.safetensors"
+            fit_high(net, bank, lessons, settings, _told(tell), scale.prompts, kept)
             tell(settings.steps)
             policy = HighLevel(net, bank, BASE_VERSION)
             card = cards.high_level(scale, self.seed, self.data_sha256(), policy)
             _write(folder, lambda path: checkpoint.save(path, policy.tensors(), card))
+            kept.unlink(missing_ok=True)
         return folder
+
+    def _fresh_high(self, lessons: Demonstrations) -> HighLevelNet:
+        torch.manual_seed(self.seed)
+        net = HighLevelNet()
+        net.learn_senses(torch.from_numpy(lessons.examples.senses))
+        return net
 
     def replay(self, lessons: Demonstrations) -> Path:
         """The demonstrations that the learner's rounds are mixed with."""
@@ -156,9 +177,13 @@ class Pretraining:
 
     def data_sha256(self) -> str:
         """Hash over the demonstrations' files."""
-        return _sha256(
-            self.out / f"demonstrations-{name}.safetensors" for name in ("expert", "learned")
-        )
+        names = [
+            "expert",
+            "learned",
+            *(f"driven-{number}" for number in range(len(self.scale.high))),
+        ]
+        files = (self.out / f"demonstrations-{name}.safetensors" for name in names)
+        return _sha256(file for file in files if file.exists())
 
     def share(
         self, name: str, work: Callable[..., R], jobs: Sequence[tuple[object, ...]]

@@ -11,6 +11,7 @@ import numpy as np
 import torch
 from safetensors.torch import load_file
 from tokenizers import Tokenizer
+from torch import Tensor
 
 from shared.goals.family import Floats
 from shared.goals.language import bert, weights
@@ -19,6 +20,9 @@ from shared.messages.goal import Goal
 WIDTH = 384
 MAX_PIECES = 64
 REMEMBERED = 4096
+TOKEN_LAYERS = (3, 6)
+"""Layers whose word pieces are given out: nearer to the words, and to what the sentence means."""
+TOKEN_WIDTH = len(TOKEN_LAYERS) * WIDTH
 
 
 class Encoder:
@@ -53,6 +57,20 @@ class Encoder:
             self._forget()
         return vectors
 
+    def tokens(self, sentences: Iterable[str]) -> list[Floats]:
+        """Each sentence word piece by word piece, [T, 768] float32; T differs.
+
+        The states after `TOKEN_LAYERS`, side by side. They are not remembered.
+
+        Raises:
+            PolicyError: the encoder's wheel is missing or not the pinned one.
+        """
+        texts = [" ".join(sentence.lower().split()) for sentence in sentences]
+        with self._lock, torch.inference_mode():
+            batches = (self._pieces(text) for text in texts)
+            found = (bert.states(self._tensors, *batch, TOKEN_LAYERS) for batch in batches)
+            return [states[0].flatten(1).numpy() for states in found]
+
     def remember(self, sentences: Iterable[str], vectors: Floats) -> None:
         """Take over vectors [N, 384] that were computed before, so that no weights are needed."""
         with self._lock:
@@ -64,16 +82,20 @@ class Encoder:
             self._seen.popitem(last=False)
 
     def _read(self, text: str) -> Floats:
+        with torch.inference_mode():
+            batch = self._pieces(text)
+            vector: Floats = bert.embed(self._tensors, *batch)[0].numpy()
+        vector.setflags(write=False)
+        return vector
+
+    def _pieces(self, text: str) -> tuple[Tensor, Tensor]:
+        """The word pieces of a text as a batch; loads the weights when first asked."""
         if self._tokenizer is None:
             self._tokenizer = Tokenizer.from_file(str(weights.tokenizer_file()))
             self._tokenizer.no_padding()
             self._tokenizer.enable_truncation(MAX_PIECES)
             self._tensors = load_file(weights.weights_file())
-        with torch.inference_mode():
-            batch = bert.as_batch([self._tokenizer.encode(text).ids])
-            vector: Floats = bert.embed(self._tensors, *batch)[0].numpy()
-        vector.setflags(write=False)
-        return vector
+        return bert.as_batch([self._tokenizer.encode(text).ids])
 
 
 class LanguageFamily:

@@ -9,7 +9,7 @@ from shared.errors import PolicyError
 from shared.goals.family import open_family
 from shared.goals.language import weights
 from shared.goals.language.bank import PhraseBank
-from shared.goals.language.encoder import Encoder, shared_encoder
+from shared.goals.language.encoder import TOKEN_WIDTH, Encoder, shared_encoder
 from shared.messages.goal import LanguageGoal
 
 
@@ -101,3 +101,10 @@ def test_a_bank_holds_each_phrase_once_and_at_least_one() -> None:
         PhraseBank.of(["wait", "wait"])
     with pytest.raises(PolicyError, match=r"at least one"):
         PhraseBank.of([])
+
+
+def test_tokens_have_a_row_for_each_piece_and_differ_by_what_stands_beside_them() -> None:
+    plain, denied = shared_encoder().tokens(["Tomato", "no  tomato"])
+    assert plain.shape == (3, TOKEN_WIDTH)
+    assert denied.shape == (4, TOKEN_WIDTH)
+    assert not np.allclose(plain[1], denied[2], atol=0.05)

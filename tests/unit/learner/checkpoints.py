@@ -7,9 +7,13 @@ import numpy as np
 import torch
 from safetensors.numpy import load_file, save_file
 
+from shared.goals.language.bank import PhraseBank
+from shared.goals.language.encoder import shared_encoder
+from shared.messages.policy import Version
 from shared.policies import checkpoint, examples
 from shared.policies.checkpoint import TENSORS_FILE, Card, save
 from shared.policies.examples import Examples
+from shared.policies.high_level import HighLevel
 from shared.policies.high_net import HighLevelNet
 from tests.unit.learner.records import CHEESE, HAM, TOAST
 
@@ -27,10 +31,11 @@ class Checkpoints(NamedTuple):
 def small_checkpoints(folder: Path) -> Checkpoints:
     """A high level that knows nothing yet, and demonstrations of grey pictures."""
     torch.manual_seed(0)
-    net = HighLevelNet()
-    tensors = {name: np.array(value.numpy()) for name, value in net.state_dict().items()}
-    card = _card("high_level", {"history": 4, "reading": 96, "bank": "\n".join(BANK)})
-    checkpoint.save(folder / "high_level", tensors, card)
+    net, bank = HighLevelNet(), PhraseBank.of(BANK)
+    net.text.learn(BANK, shared_encoder())
+    policy = HighLevel(net, bank, Version(1, 0))
+    card = _card("high_level", {**policy.settings(), "bank": "\n".join(BANK)})
+    checkpoint.save(folder / "high_level", policy.tensors(), card)
     shades = np.arange(24, dtype=np.uint8)[:, None, None, None, None] * np.uint8(10)
     shown = Examples(
         images=np.broadcast_to(shades, (24, 2, 64, 64, 3)).copy(),
@@ -38,6 +43,8 @@ def small_checkpoints(folder: Path) -> Checkpoints:
         previous=[()] * 24,
         labels=[BANK[row % 3] for row in range(24)],
         weights=np.ones(24, np.float32),
+        senses=np.zeros((24, 22), np.float32),
+        looks=np.arange(24)[:, None],
     )
     examples.save(folder / "demonstrations", shown, _card("demonstrations", {}))
     return Checkpoints(small_low_level(folder), folder / "high_level", folder / "demonstrations")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import torch
 
-from services.learner.aggregate import LabelSettings, derive
+from services.learner.aggregate import Ground, Label, LabelSettings, derive
 from services.learner.build import origin
 from services.learner.config import Recipe
 from services.learner.frozen import FrozenLowLevel
@@ -100,7 +100,12 @@ def test_a_phrase_that_nobody_used_before_joins_the_bank(workshop: Workshop) -> 
     made = workshop.train(workshop.round())
     assert made.bank == (*BANK, "grab the ham")
     record = workshop.base.model_copy(
-        update={"number": 1, "bank": made.bank, "tensors": made.tensors}
+        update={
+            "number": 1,
+            "bank": made.bank,
+            "tensors": made.tensors,
+            "settings": made.settings,
+        }
     )
     assert open_version(record, workshop.files).bank.phrases == made.bank
 
@@ -137,9 +142,20 @@ def test_examples_are_exactly_what_the_high_level_saw(workshop: Workshop) -> Non
     labels = derive(history, LabelSettings(), workshop.low_sha256)
     made = gather(labels, {HAM: HAM}, workshop.store)
     seen = decision("e-1", 40, previous=("wait",))
-    assert np.array_equal(made.images[0], seen.arrays["images"])
+    assert np.array_equal(made.present[0], seen.arrays["images"])
+    assert np.array_equal(made.senses[0], seen.arrays["proprioception"])
     assert (made.prompts, made.previous) == ([seen.prompt], [("wait",)])
     assert (made.labels, list(made.weights)) == ([HAM], [1.0])
+
+
+def test_earlier_looks_come_with_an_example_unless_they_never_arrived(workshop: Workshop) -> None:
+    label = Label("e-1-2", "e-1", HAM, 1.0, Ground.OBJECTED, "c")
+    for step, shown in ((0, ()), (40, (0, 1))):
+        seen = decision("e-1", step, index=step // 20, past=shown)
+        workshop.store.add(seen.model_copy(update={"id": f"e-1-{step // 20}"}), 1)
+    made = gather([label], {HAM: HAM}, workshop.store)
+    assert made.looks.tolist() == [[0, -1, 1]]
+    assert made.images[:, 0, 0, 0, 0].tolist() == [0, 40]
 
 
 def test_held_out_episodes_are_judged_and_not_learned_from(workshop: Workshop) -> None:

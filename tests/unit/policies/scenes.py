@@ -1,5 +1,7 @@
 """Made-up cells, observations and examples for the tests of policies."""
 
+from dataclasses import replace
+
 import numpy as np
 import torch
 
@@ -87,11 +89,31 @@ def coloured(count: int, seed: int = 0) -> Examples:
         [("wait",) * int(length) for length in rng.integers(0, 5, count)],
         [COMMANDS[kind] for kind in kinds],
         np.ones(count, np.float32),
+        np.zeros((count, 22), np.float32),
+        np.arange(count)[:, None],
     )
 
 
-def observation(images: np.ndarray, previous: tuple[str, ...] = ()) -> Observation:
+def moving(count: int, seed: int = 0) -> Examples:
+    """Pictures that tell the right command only beside the one before: brighter, darker, alike."""
+    rng = np.random.default_rng(seed)
+    kinds, now = rng.integers(0, len(COMMANDS), count), rng.integers(80, 160, count)
+    shades = np.stack([now - np.array([60, -60, 0])[kinds], now], 1).astype(np.uint8)
+    images = np.broadcast_to(shades.reshape(-1, 1, 1, 1, 1), (2 * count, 2, 64, 64, 3)).copy()
+    pairs = np.arange(2 * count).reshape(count, 2)
+    return replace(
+        coloured(count), images=images, labels=[COMMANDS[kind] for kind in kinds], looks=pairs
+    )
+
+
+def observation(
+    images: np.ndarray,
+    previous: tuple[str, ...] = (),
+    prompt: str = "make a sandwich",
+    feels: np.ndarray | None = None,
+) -> Observation:
     """What the high level is asked about."""
     proprioception, objects = senses()
+    proprioception = proprioception if feels is None else feels
     arrays = {"images": images, "proprioception": proprioception, "objects": objects}
-    return Observation(step=0, prompt="make a sandwich", previous=previous, arrays=arrays)
+    return Observation(step=0, prompt=prompt, previous=previous, arrays=arrays)

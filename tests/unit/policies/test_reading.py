@@ -4,7 +4,16 @@ import numpy as np
 import torch
 
 from shared.goals.language.encoder import shared_encoder
-from shared.policies.reading import forgetful, past_vectors, relit, shifted
+from shared.policies.reading import (
+    blinking,
+    forgetful,
+    gains,
+    halved,
+    past_vectors,
+    read_words,
+    relit,
+    shifted,
+)
 
 
 def test_a_history_is_right_aligned_and_padded_with_zeros() -> None:
@@ -17,30 +26,51 @@ def test_a_history_is_right_aligned_and_padded_with_zeros() -> None:
     assert np.array_equal(vectors[2, 1:], [wait, wait, put])
 
 
-def test_a_shift_moves_whole_pictures_by_a_few_pixels() -> None:
-    images = torch.zeros(1, 2, 64, 64, 3, dtype=torch.uint8)
-    images[:, :, 30, 30] = 255
-    moved = shifted(images, 3, np.random.default_rng(0))
-    for view in moved[0]:
-        rows, columns = torch.nonzero(view[..., 0], as_tuple=True)
-        assert len(rows) == 1
-        assert abs(int(rows[0]) - 30) <= 3
-        assert abs(int(columns[0]) - 30) <= 3
-    assert torch.equal(shifted(images, 0, np.random.default_rng(0)), images)
+def test_prompts_are_read_piece_by_piece_whatever_they_are_read_with() -> None:
+    alone = read_words(shared_encoder(), ["no tomato"])
+    both = read_words(shared_encoder(), ["a sandwich without any tomato", "no tomato"])
+    length = int(alone.there.sum())
+    assert both.there.sum(1).tolist()[1] == length < both.there.shape[1]
+    assert torch.equal(both.states[1, :length], alone.states[0])
+    assert not both.states[1, length:].any()
 
 
-def test_other_light_is_the_same_for_both_views_of_a_sample() -> None:
-    pixels = torch.full((3, 2, 64, 64, 3), 100.0)
-    lit = relit(pixels, 0.2, 0.1, 0.0, np.random.default_rng(0))
+def test_a_shift_moves_whole_pictures_and_repeats_their_edges() -> None:
+    images = np.zeros((2, 8, 8, 3), np.uint8)
+    images[:, 4, 4], images[:, 0] = 255, 9
+    moved = shifted(images, np.array([[2, -1], [0, 0]]), 3)
+    assert np.argwhere(moved[0, ..., 0] == 255).tolist() == [[6, 3]]
+    assert (moved[0, :3] == 9).all()
+    assert np.array_equal(moved[1], images[1])
+
+
+def test_half_a_picture_has_the_mean_of_each_four_pixels() -> None:
+    images = np.arange(2 * 4 * 4 * 3).reshape(2, 4, 4, 3).astype(np.uint8)
+    means = images.reshape(2, 2, 2, 2, 2, 3).mean((2, 4))
+    assert np.array_equal(halved(images), means.astype(np.uint8))
+
+
+def test_other_light_is_the_same_for_all_pictures_of_a_sample() -> None:
+    rng = np.random.default_rng(0)
+    pictures = np.full((3, 2, 64, 64, 3), 100, np.uint8)
+    lit = relit(pictures, gains(3, 0.2, 0.1, rng), 0.0, rng)
     assert torch.equal(lit[:, 0], lit[:, 1])
     assert len(np.unique(lit[:, 0, 0, 0].numpy(), axis=0)) == 3
-    noisy = relit(pixels, 0.0, 0.0, 5.0, np.random.default_rng(0))
+    noisy = relit(pictures, torch.ones(3, 3), 5.0, rng)
     assert 4.0 < float(noisy.std()) < 6.0
 
 
-def test_some_histories_are_forgotten_whole() -> None:
-    past = torch.ones(200, 4, 384)
-    kept = forgetful(past, 0.25, np.random.default_rng(0)).flatten(1)
+def test_some_histories_are_forgotten_whole_and_single_commands_of_others() -> None:
+    past = torch.ones(400, 4, 384)
+    kept = forgetful(past, 0.25, 0.1, np.random.default_rng(0)).mean(2)
     assert {0.0, 1.0} == set(np.unique(kept.numpy()))
-    assert 0.6 < float(kept.mean()) < 0.9
-    assert torch.equal(kept.amin(1), kept.amax(1))
+    assert 0.15 < float((kept.sum(1) == 0).float().mean()) < 0.35
+    assert ((kept.sum(1) > 0) & (kept.sum(1) < 4)).any()
+
+
+def test_the_present_look_is_never_hidden() -> None:
+    seen = np.array([[False, True, True, True]] * 200)
+    shown = blinking(seen, 0.3, 0.2, np.random.default_rng(0))
+    assert shown[:, -1].all()
+    assert not shown[:, 0].any()
+    assert 0.3 < shown[:, 1].mean() < 0.8

@@ -1,5 +1,6 @@
 """Practice, demonstrations and the stages that keep them."""
 
+import dataclasses
 from collections import Counter
 from collections.abc import Callable
 from concurrent.futures import Executor, Future
@@ -11,11 +12,11 @@ import pytest
 import torch
 
 from services.learner.pretrain import practice
-from services.learner.pretrain.demonstrate import Demonstrations, Lesson, demonstrate
+from services.learner.pretrain.demonstrate import ABSENT, Demonstrations, Lesson, demonstrate
 from services.learner.pretrain.low_fit import LowFitSettings, Rows, fit_low, measures
 from services.learner.pretrain.practice import Steps, practise
 from services.learner.pretrain.replay import choose
-from services.learner.pretrain.scale import LowRound, Scale
+from services.learner.pretrain.scale import HighRound, LowRound, Scale
 from services.learner.pretrain.stages import Pretraining
 from shared.policies import checkpoint, examples
 from shared.policies.geometry import Geometry
@@ -30,10 +31,10 @@ TINY = Scale(
     expert_episodes=1,
     learned_episodes=1,
     validation_episodes=1,
-    high_updates=3,
+    high=(HighRound(driven=0, updates=3), HighRound(driven=1, updates=2)),
     high_batch=8,
-    high_lr=1e-3,
-    replay=8,
+    prompts=6,
+    replay=60,
     chains=1,
     tasks=1,
     trials=1,
@@ -123,7 +124,12 @@ def test_a_demonstration_is_labelled_at_every_decision(
     assert set(many.labels) <= set(COMMANDS)
     assert many.previous[0] == ()
     assert [len(past) for past in many.previous[:6]] == [0, 1, 2, 3, 4, 4]
-    assert lessons.status.shape == (len(many), 7)
+    assert lessons.status.shape == (len(many), 18)
+    there = lessons.status[0] != ABSENT
+    assert np.array_equal(there, (lessons.positions[0] != 0).any(-1))
+    assert 0 < there.sum() < 18
+    assert many.looks[:5].tolist()[::4] == [[-1, -1, -1, 0], [1, 2, 3, 4]]
+    assert many.senses.shape == (len(many), 22)
     lessons.save(tmp_path / "lessons.safetensors")
     again = Demonstrations.load(tmp_path / "lessons.safetensors").examples
     assert (again.previous, again.labels, again.prompts) == (
@@ -133,14 +139,21 @@ def test_a_demonstration_is_labelled_at_every_decision(
     )
 
 
-def test_replay_prefers_rare_commands(lessons: Demonstrations) -> None:
-    labels = ["wait"] * 90 + ["put it down"] * 10
-    rows = np.zeros(100, int)
-    many = lessons.examples.take(rows)
-    named = examples.Examples(many.images, many.prompts, many.previous, labels, many.weights)
-    chosen = choose(Demonstrations(named, lessons.status[rows], lessons.positions[rows]), 20, 0)
-    assert len(set(chosen)) == 20
-    assert Counter(labels[row] for row in chosen)["put it down"] > 2
+def test_replay_keeps_whole_episodes_and_prefers_rare_commands(lessons: Demonstrations) -> None:
+    rows = np.zeros(400, int)
+    episodes = np.arange(400) // 10
+    common = lessons.take(rows)
+    labels = ["wait" if episode % 8 else "put it down" for episode in episodes]
+    named = dataclasses.replace(common.examples, labels=labels)
+    many = dataclasses.replace(common, examples=named, episodes=episodes)
+    counts: Counter[str] = Counter()
+    for seed in range(20):
+        chosen = choose(many, 55, seed)
+        assert len(chosen) == 50
+        assert (np.bincount(episodes[chosen], minlength=40) % 10 == 0).all()
+        counts.update(labels[row] for row in chosen)
+    assert counts["put it down"] > 1.5 * counts.total() / 8
+    assert len(choose(many, 5, 0)) == 10
 
 
 def test_stages_are_kept_and_not_done_twice(tmp_path: Path) -> None:
@@ -148,15 +161,19 @@ def test_stages_are_kept_and_not_done_twice(tmp_path: Path) -> None:
     run = Pretraining(tmp_path, TINY, 0, first, ledger)
     low_level = run.low_level()
     lessons = run.demonstrations(low_level)
-    high_level, replay = run.high_level(lessons), run.replay(lessons)
-    assert {"practice 0", "low level 1", "high level"} <= set(ledger.told)
-    assert ledger.told["high level"][-1] == TINY.high_updates
+    high_level, replay = run.high_level(lessons, low_level), run.replay(lessons)
+    assert {"practice 0", "low level 1", "high level 1"} <= set(ledger.told)
+    assert ledger.told["high level 1"] == [2, 1, 2, 2]
+    driven = Demonstrations.load(tmp_path / "demonstrations-driven-1.safetensors").examples
+    pairs = zip(driven.labels[:-1], driven.previous[1:], strict=True)
+    wrong = [past[-1] != right for right, past in pairs]
+    assert np.mean(wrong) > 0.5
 
     second = Here()
     again = Pretraining(tmp_path, TINY, 0, second, Ledger())
-    assert again.high_level(again.demonstrations(again.low_level())) == high_level
+    assert again.high_level(again.demonstrations(low_level), again.low_level()) == high_level
     assert second.jobs == 0
     assert LowLevel.load(low_level).sha256 == checkpoint.load_card(low_level).tensors_sha256
     assert HighLevel.load(high_level).bank.phrases == COMMANDS
-    assert len(examples.load(replay)) == TINY.replay
+    assert 0 < len(examples.load(replay)) <= TINY.replay
     assert not list(tmp_path.glob("unfinished-*"))

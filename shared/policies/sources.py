@@ -1,0 +1,177 @@
+"""Where the batches of a fit come from: examples made ready once, then drawn by their weights."""
+
+from typing import NamedTuple
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+from torch.nn import functional as F
+
+from shared.errors import PolicyError
+from shared.goals.language.bank import PhraseBank
+from shared.goals.language.encoder import Encoder
+from shared.policies.examples import Examples
+from shared.policies.high_net import HighLevelNet, Question
+from shared.policies.reading import (
+    Pictures,
+    blinking,
+    forgetful,
+    gains,
+    halved,
+    past_rows,
+    read_words,
+    relit,
+    shifted,
+)
+from shared.policies.variation import Variation
+from shared.policies.wishes import Words
+
+CHUNK = 4096
+
+
+class Batch(NamedTuple):
+    """B decisions as they were seen, and the rows of the bank that answer them.
+
+    images: [B, V, 64, 64, 3] uint8. glimpses: [B, K + 1, V, 32, 32, 3] uint8. seen, senses, words,
+    previous: as in `Question`. labels: [B] int64.
+    """
+
+    images: Pictures
+    glimpses: Pictures
+    seen: NDArray[np.bool_]
+    senses: Tensor
+    words: Words
+    previous: Tensor
+    labels: Tensor
+
+    def question(self) -> Question:
+        """As they were seen."""
+        images, glimpses = torch.from_numpy(self.images), torch.from_numpy(self.glimpses)
+        return Question(
+            images, glimpses, torch.from_numpy(self.seen), self.senses, self.words, self.previous
+        )
+
+    def varied(
+        self, by: Variation, rng: np.random.Generator, dtype: torch.dtype = torch.float32
+    ) -> Question:
+        """Seen a little differently: moved, in another light, with noise and gaps."""
+        count, views = self.images.shape[:2]
+        looks = self.glimpses.shape[1]
+        offsets = rng.integers(-by.shift_px, by.shift_px + 1, (count, views, 2))
+        images = shifted(
+            self.images.reshape(-1, *self.images.shape[2:]), offsets.reshape(-1, 2), by.shift_px
+        )
+        half = np.repeat(offsets[:, None] // 2, looks, 1).reshape(-1, 2)
+        glimpses = shifted(
+            self.glimpses.reshape(-1, *self.glimpses.shape[3:]), half, (by.shift_px + 1) // 2
+        )
+        gain = gains(count, by.brightness, by.tint, rng)
+        seen = blinking(self.seen, by.look_dropout, by.look_dropout / 2, rng)
+        senses = self.senses + by.sense_noise * torch.from_numpy(
+            rng.standard_normal(self.senses.shape, dtype=np.float32)
+        )
+        return Question(
+            relit(images.reshape(self.images.shape), gain, by.noise, rng, dtype),
+            relit(glimpses.reshape(self.glimpses.shape), gain, 0.0, rng, dtype),
+            torch.from_numpy(seen),
+            senses,
+            self.words,
+            forgetful(self.previous, by.history_dropout, by.history_dropout / 2, rng),
+        )
+
+
+class Source:
+    """Examples that a fixed number of each batch is drawn from, by their weights."""
+
+    def __init__(
+        self,
+        examples: Examples,
+        count: int,
+        bank: PhraseBank,
+        encoder: Encoder,
+        net: HighLevelNet,
+    ) -> None:
+        total = float(examples.weights.sum())
+        if total <= 0:
+            raise PolicyError("there is nothing to learn from: all examples have weight 0")
+        self.count = count
+        self._sums: NDArray[np.float64] = np.cumsum(examples.weights, dtype=np.float64) / total
+        self._images, self._halves = examples.images, _all_halved(examples.images)
+        self._looks = fitted(examples.looks, net.looks)
+        self._senses = torch.from_numpy(examples.senses)
+        prompts = sorted(set(examples.prompts))
+        number = {prompt: row for row, prompt in enumerate(prompts)}
+        self._prompt = torch.tensor([number[prompt] for prompt in examples.prompts])
+        self._words = read_words(encoder, prompts)
+        table, past = past_rows(encoder, examples.previous, net.history)
+        self._said, self._past = torch.from_numpy(table), torch.from_numpy(past)
+        rows = {phrase: row for row, phrase in enumerate(bank.phrases)}
+        unknown = sorted(set(examples.labels) - set(rows))
+        if unknown:
+            raise PolicyError(f"labels that the bank does not hold: {', '.join(unknown)}")
+        self._labels = torch.tensor([rows[label] for label in examples.labels])
+
+    def draw(self, rng: np.random.Generator) -> Batch:
+        """`count` examples, with replacement."""
+        return self.at(self.choose(rng))
+
+    def choose(self, rng: np.random.Generator) -> NDArray[np.int64]:
+        """Rows drawn by weight."""
+        rows = np.searchsorted(self._sums, rng.random(self.count), side="right")
+        return np.minimum(rows, len(self._sums) - 1)
+
+    def at(self, rows: NDArray[np.int64]) -> Batch:
+        """The examples of these rows."""
+        looks, prompt = self._looks[rows], self._prompt[rows]
+        there = self._words.there[prompt]
+        longest = int(there.sum(1).max())
+        return Batch(
+            self._images[looks[:, -1]],
+            self._halves[looks],
+            looks >= 0,
+            self._senses[rows],
+            Words(self._words.states[prompt, :longest], there[:, :longest]),
+            self._said[self._past[rows]],
+            self._labels[rows],
+        )
+
+
+def _all_halved(images: Pictures) -> Pictures:
+    """`halved`, some at a time: the sums in between take twice the room of the result."""
+    height, width, channels = images.shape[2:]
+    halves = np.empty((*images.shape[:2], height // 2, width // 2, channels), np.uint8)
+    for first in range(0, len(images), CHUNK):
+        halves[first : first + CHUNK] = halved(images[first : first + CHUNK])
+    return halves
+
+
+def fitted(looks: NDArray[np.int64], width: int) -> NDArray[np.int64]:
+    """The last `width` looks of each decision, -1 before them where there are fewer."""
+    missing = max(0, width - looks.shape[1])
+    return np.pad(looks, ((0, 0), (missing, 0)), constant_values=-1)[:, -width:]
+
+
+def merge(batches: list[Batch]) -> Batch:
+    """Batches one after another."""
+    if len(batches) == 1:
+        return batches[0]
+    images, glimpses, seen, senses, words, previous, labels = zip(*batches, strict=True)
+    return Batch(
+        np.concatenate(images),
+        np.concatenate(glimpses),
+        np.concatenate(seen),
+        torch.cat(senses),
+        joined(words),
+        torch.cat(previous),
+        torch.cat(labels),
+    )
+
+
+def joined(parts: tuple[Words, ...]) -> Words:
+    """Prompts one after another, padded to the longest."""
+    longest = max(part.there.shape[1] for part in parts)
+    gaps = [longest - part.there.shape[1] for part in parts]
+    states = [F.pad(part.states, (0, 0, 0, gap)) for part, gap in zip(parts, gaps, strict=True)]
+    there = [F.pad(part.there, (0, gap)) for part, gap in zip(parts, gaps, strict=True)]
+    return Words(torch.cat(states), torch.cat(there))
