@@ -26,6 +26,7 @@ from shared.workcell.objects import BODY_NAMES, COUNT
 from shared.workcell.site import Site
 from shared.workcell.state import CellState, in_bin, in_tub, near_plate
 from shared.workcell.tasks import Draw
+from shared.workcell.tasks.manners import Manner
 
 HISTORY = 4
 LOOKS = 4
@@ -35,7 +36,7 @@ USUAL_LENGTH = 0.6
 LENGTHS = (4, 6, 8, 10, 12)
 """Skills of the other episodes."""
 CONSTRAINTS = 0.4
-MANNERS = ("plain", "plain", "polite", "chatty")
+MANNERS: tuple[Manner, ...] = ("plain", "plain", "polite", "chatty")
 DRIVEN = 0.8
 """Share of decisions that are a driver's; the others help it out where it is stuck."""
 NOTHING = np.zeros((len(BODY_NAMES), 9), np.float32)
@@ -169,7 +170,7 @@ def demonstrate(lesson: Lesson) -> Demonstrations:
 def draw(rng: np.random.Generator) -> Draw:
     """How the wish of an episode is drawn: of any length, in any manner, some with constraints."""
     usual = rng.random() < USUAL_LENGTH
-    return Draw(None if usual else int(rng.choice(LENGTHS)), str(rng.choice(MANNERS)), CONSTRAINTS)
+    return Draw(None if usual else int(rng.choice(LENGTHS)), MANNERS[int(rng.integers(len(MANNERS)))], CONSTRAINTS)
 
 
 def _episode(

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from services.learner.pretrain import cards
-from services.learner.pretrain.demonstrate import TASKS
 from services.learner.pretrain.exam import Attempt, Exam, by_name, figure, try_skills
 from services.learner.pretrain.stages import EXAM_SEED, PARTS, Pretraining
 from services.learner.pretrain.words import unheard_phrases
@@ -15,7 +14,7 @@ from shared.policies import checkpoint
 from shared.policies.checkpoint import Figure
 from shared.workcell.skills import COMMANDS
 
-SITES = ("lab", "workshop")
+SITES = ("lab", "near", "far")
 
 
 def examine(pretraining: Pretraining, low_level: Path, high_level: Path) -> None:
@@ -46,7 +45,7 @@ def _skills(pretraining: Pretraining, low_level: Path) -> list[Figure]:
 
 
 def _tasks(pretraining: Pretraining, low_level: Path) -> list[Figure]:
-    """Tasks with the oracle as the high level, at both sites."""
+    """Tasks with the oracle as the high level, at all sites."""
     figures = []
     for site in SITES:
         plan = Plan(
@@ -61,12 +60,11 @@ def _tasks(pretraining: Pretraining, low_level: Path) -> list[Figure]:
 
 
 def _trials(pretraining: Pretraining, low_level: Path, high_level: Path) -> list[Figure]:
-    """The two levels together in the tasks that were taught, at both sites."""
+    """The two levels together, at all sites."""
     figures = []
     for site in SITES:
         plan = Plan(
             high_level=str(high_level),
-            tasks=TASKS,
             low_level=str(low_level),
             site=site,
             seeds=(0, pretraining.scale.trials),
