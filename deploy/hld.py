@@ -49,7 +49,7 @@ def up(
     episodes: Annotated[int, typer.Option(min=0, help="episodes a round; 0: by corrections")] = 0,
     evaluate: Annotated[int, typer.Option(min=0, help="evaluation episodes a version")] = 0,
     report: Annotated[Optional[Path], typer.Option(help="write the figures here, as JSON")] = None,
-    site: Annotated[str, typer.Option(help="settings file of the cell")] = "workshop",
+    site: Annotated[str, typer.Option(help="settings file of the cell")] = "far",
     tasks: Annotated[str, typer.Option(help="taken in turn")] = "sandwich,pack",
     pace: Annotated[Optional[str], typer.Option(help="real-time or lockstep")] = None,
     seed: Annotated[int, typer.Option(min=0, max=10_000)] = 0,

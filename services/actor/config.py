@@ -56,7 +56,7 @@ class ActorSettings(Settings):
     kind: str = "workcell"
     first_index: Annotated[int, Field(ge=0, le=999)] = 0
     tasks: Annotated[tuple[Id, ...], Field(min_length=1)] = ("sandwich", "pack")
-    site: str = "workshop"
+    site: str = "far"
     skills: Annotated[int, Field(ge=1, le=64)] | None = None
     pace: Pace = Pace.REAL_TIME
     refresh: Refresh = Refresh.EPISODE

@@ -29,7 +29,7 @@ def main(
         typer.Option("--task", help="one or, with commas or repeated, several in turn; all"),
     ] = None,
     seeds: Annotated[str, typer.Option(help="A:B, from the first evaluation seed")] = "0:60",
-    site: Annotated[str, typer.Option(help="settings file of the cell")] = "workshop",
+    site: Annotated[str, typer.Option(help="settings file of the cell")] = "far",
     skills: Annotated[
         Optional[int], typer.Option(min=1, help="how many the prompts take; as the task likes")
     ] = None,

@@ -59,7 +59,7 @@ class RobotView(View):
     state: RobotState
     task: Annotated[str | None, Field(examples=["sandwich"])]
     prompt: Annotated[str | None, Field(examples=["make a sandwich with cheese and tomato"])]
-    site: Annotated[str | None, Field(examples=["workshop"])]
+    site: Annotated[str | None, Field(examples=["far"])]
     episode: Annotated[Id | None, Field(examples=["ep-5f1c"])]
     number: int
     step: int

@@ -40,7 +40,7 @@ class Plan(Settings):
 
     high_level: str = BASE
     tasks: Annotated[tuple[str, ...], Field(min_length=1)] = tuple(TASKS)
-    site: str = "workshop"
+    site: str = "far"
     seeds: tuple[int, int] = (0, 60)
     rollout: RolloutSettings = RolloutSettings()
     low_level: str = ""

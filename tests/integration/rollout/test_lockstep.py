@@ -28,7 +28,7 @@ STEPS = 130
 def episode_hash(seed, corrected):
     """A hash over everything that was seen, decided and done; supervised, as the oracle does it."""
     digest = hashlib.sha256()
-    station = Station("workshop")
+    station = Station("far")
     scene = station.reset(seed, "sandwich", None)
     settings = RolloutSettings(supervised=True, latency_steps=3)
 
@@ -92,7 +92,7 @@ def test_another_seed_gives_another_episode():
 
 
 def test_an_evaluation_is_the_same_whatever_it_is_run_beside():
-    plan = Plan(tasks=("pack",), site="workshop")
+    plan = Plan(tasks=("pack",), site="far")
     one, other = Evaluator(plan), Evaluator(plan)
     first = one(Case(2_000_000_001, "pack"))
     other(Case(2_000_000_000, "pack"))

@@ -50,7 +50,7 @@ def test_a_report_doesnt_hang_on_the_order_in_which_processes_finish():
     plan = Plan(seeds=(0, 4))
     one = report(plan, ROWS, "base", "hld evaluate")
     assert json.dumps(one) == json.dumps(report(plan, ROWS[::-1], "base", "hld evaluate"))
-    assert (one["seeds"], one["site"], one["high_level"]) == ("0:4", "workshop", "base")
+    assert (one["seeds"], one["site"], one["high_level"]) == ("0:4", "far", "base")
 
 
 def test_a_call_is_flawless_only_if_both_levels_did_their_part():

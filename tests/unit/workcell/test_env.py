@@ -45,13 +45,13 @@ def test_equal_seeds_give_equal_episodes_to_the_bit(env):
 def test_another_process_lives_the_same_episode():
     code = (
         "from tests.unit.workcell.test_env import digest, WorkcellEnv;"
-        "print(digest(WorkcellEnv('workshop'), 3))"
+        "print(digest(WorkcellEnv('far'), 3))"
     )
     run = [sys.executable, "-c", code]
     other = subprocess.run(run, capture_output=True, text=True, check=True, cwd=ROOT)
-    workshop = WorkcellEnv("workshop")
-    assert other.stdout.strip() == digest(workshop, 3)
-    workshop.close()
+    far = WorkcellEnv("far")
+    assert other.stdout.strip() == digest(far, 3)
+    far.close()
 
 
 def test_a_prompt_given_is_the_prompt_obeyed(env):
@@ -81,14 +81,14 @@ def test_an_episode_is_cut_off_after_its_steps():
 
 
 def test_two_cells_in_one_process_draw_their_own_pictures(env):
-    other = WorkcellEnv("workshop")
+    other = WorkcellEnv("far")
     env.reset(seed=1)
     other.reset(seed=1)
-    lab, workshop, again = env.images(), other.images(), env.images()
+    lab, far, again = env.images(), other.images(), env.images()
     other.close()
     assert lab.shape == (2, 64, 64, 3)
     assert lab.tobytes() == again.tobytes()
-    assert np.abs(lab.astype(float) - workshop).mean() > 20
+    assert np.abs(lab.astype(float) - far).mean() > 20
 
 
 def test_a_picture_for_people_has_the_size_asked_for(env):

@@ -18,13 +18,13 @@ from shared.workcell.skills import achieved, parse
 
 
 def test_the_sites_that_come_with_the_cell_load_under_their_own_names():
-    assert site_names() == ("far", "lab", "near", "workshop")
+    assert site_names() == ("far", "lab", "near")
     assert [load_site(name).name for name in site_names()] == list(site_names())
     assert load_site("lab") == Site(name="lab", prompts=Prompts(constraints=0.3))
 
 
 def test_an_unknown_site_is_answered_with_the_known_ones():
-    with pytest.raises(InvalidSite, match="far, lab, near, workshop"):
+    with pytest.raises(InvalidSite, match="far, lab, near"):
         load_site("kitchen")
 
 
