@@ -50,7 +50,7 @@ def up(
     evaluate: Annotated[int, typer.Option(min=0, help="evaluation episodes a version")] = 0,
     report: Annotated[Optional[Path], typer.Option(help="write the figures here, as JSON")] = None,
     site: Annotated[str, typer.Option(help="settings file of the cell")] = "far",
-    tasks: Annotated[str, typer.Option(help="taken in turn")] = "sandwich,pack",
+    tasks: Annotated[str, typer.Option(help="taken in turn")] = "sandwich,pack,bus",
     pace: Annotated[Optional[str], typer.Option(help="real-time or lockstep")] = None,
     seed: Annotated[int, typer.Option(min=0, max=10_000)] = 0,
     port: Annotated[int, typer.Option(min=1, max=65535, help="of the page")] = 8000,

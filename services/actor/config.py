@@ -55,7 +55,7 @@ class ActorSettings(Settings):
     robots: Annotated[tuple[Id, ...], Field(min_length=1)] = ("robot-1",)
     kind: str = "workcell"
     first_index: Annotated[int, Field(ge=0, le=999)] = 0
-    tasks: Annotated[tuple[Id, ...], Field(min_length=1)] = ("sandwich", "pack")
+    tasks: Annotated[tuple[Id, ...], Field(min_length=1)] = ("sandwich", "pack", "bus")
     site: str = "far"
     skills: Annotated[int, Field(ge=1, le=64)] | None = None
     pace: Pace = Pace.REAL_TIME

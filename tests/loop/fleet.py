@@ -27,7 +27,7 @@ class Fleet:
             "episodes": 0,
             "evaluate": 0,
             "report": None,
-            "site": "workshop",
+            "site": "far",
             "tasks": ("sandwich", "pack"),
             "pace": "lockstep",
             "seed": 1,

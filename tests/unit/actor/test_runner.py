@@ -132,7 +132,7 @@ def test_episodes_follow_one_another_with_seeds_of_their_own(bench):
     assert [episode.number for episode in episodes[:3]] == [0, 1, 2]
     assert len({episode.seed for episode in episodes}) == len(episodes)
     assert {purpose(episode.seed) for episode in episodes} == {"collection"}
-    assert [episode.task for episode in episodes[:3]] == ["sandwich", "pack", "sandwich"]
+    assert [episode.task for episode in episodes[:3]] == ["sandwich", "pack", "bus"]
     assert {episode.outcome for episode in episodes} == {Outcome.TIMEOUT}
     assert {episode.steps for episode in episodes} == {30}
 
