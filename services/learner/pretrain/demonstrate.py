@@ -170,7 +170,8 @@ def demonstrate(lesson: Lesson) -> Demonstrations:
 def draw(rng: np.random.Generator) -> Draw:
     """How the wish of an episode is drawn: of any length, in any manner, some with constraints."""
     usual = rng.random() < USUAL_LENGTH
-    return Draw(None if usual else int(rng.choice(LENGTHS)), MANNERS[int(rng.integers(len(MANNERS)))], CONSTRAINTS)
+    length = None if usual else int(rng.choice(LENGTHS))
+    return Draw(length, MANNERS[int(rng.integers(len(MANNERS)))], CONSTRAINTS)
 
 
 def _episode(
