@@ -1,6 +1,7 @@
 """One episode of an evaluation: a hierarchy in lockstep, without corrections, watched."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import NamedTuple, Protocol
 
 import numpy as np
 import torch
@@ -41,20 +42,39 @@ class Oracle:
         return (Proposal(goal=goal, score=1.0),)
 
 
+class Obedient(seams.LowLevel, Protocol):
+    """A low level that says which command it takes a goal for; None: for none that is known."""
+
+    def meaning(self, goal: Goal, objects: NDArray[np.float32]) -> str | None: ...
+
+
+class Levels(NamedTuple):
+    """Who acts. worded: what the high level says are commands, which can be right or wrong."""
+
+    high: seams.HighLevel
+    low: Obedient
+    worded: bool = True
+
+
+def levels_of(plan: Plan, station: Station) -> Levels:
+    """Those that the plan names."""
+    high = (
+        Oracle(station)
+        if plan.high_level == ORACLE
+        else HighLevel.load(plan.high_level_folder(), plan.rollout.head)
+    )
+    return Levels(high, LowLevel.load(plan.low_level_folder()))
+
+
 class Evaluator:
     """One process's policies and cell, ready for one case of a plan after another."""
 
-    def __init__(self, plan: Plan) -> None:
+    def __init__(self, plan: Plan, levels: Callable[[Plan, Station], Levels] = levels_of) -> None:
+        """levels: where policies of another kind come from."""
         torch.set_num_threads(1)  # The processes share the cores.
         self._plan = plan
         self._station = Station(plan.site, plan.skills)
-        self._low_level = LowLevel.load(plan.low_level_folder())
-        self._high_level = self._make_high_level()
-
-    def _make_high_level(self) -> seams.HighLevel:
-        if self._plan.high_level == ORACLE:
-            return Oracle(self._station)
-        return HighLevel.load(self._plan.high_level_folder(), self._plan.rollout.head)
+        self._high_level, self._low_level, self._worded = levels(plan, self._station)
 
     def __call__(self, case: Case) -> Row:
         """Roll out one episode."""
@@ -70,10 +90,12 @@ class Evaluator:
             name="evaluation",
             episode=f"seed-{case.seed}",
             scene=scene,
-            decided=lambda decision: watch.decided(decision.executed.text),
+            decided=(lambda decision: watch.decided(decision.executed.text))
+            if self._worded
+            else None,
         )
         while not rollout.over:
-            if rollout.advance() and rollout.command:
+            if rollout.advance() and rollout.command and self._worded:
                 watch.stepped(rollout.command.text, rollout.step)
         attempts = watch.finish(rollout.step, rollout.done)
         return Row(

@@ -1,6 +1,6 @@
 """Evaluate: how often a hierarchy succeeds on scenes that no correction ever came from."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from shared.evaluation.attempts import Row
@@ -10,10 +10,18 @@ from shared.evaluation.pool import Pool
 from shared.evaluation.rows import Rows, measure
 
 
-def evaluate(plan: Plan, pool: Pool, file: Path | None = None) -> Iterator[Row]:
-    """A row for each case as they come. file: where they are kept, and need not be done again."""
+def evaluate(
+    plan: Plan,
+    pool: Pool,
+    file: Path | None = None,
+    make: Callable[[Plan], Evaluator] = Evaluator,
+) -> Iterator[Row]:
+    """A row for each case as they come. file: where they are kept, and need not be done again.
+
+    make: of a plan what evaluates it in each process, where its policies are of another kind.
+    """
     rows = Rows(file, Row, plan.note()) if file else None
-    return measure(pool, Evaluator, plan, plan.cases(), _case, rows)
+    return measure(pool, make, plan, plan.cases(), _case, rows)
 
 
 def _case(row: Row) -> Case:

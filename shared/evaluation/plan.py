@@ -89,6 +89,10 @@ class Plan(Settings):
         load_site(self.site)
         for task in self.tasks:
             task_named(task).sample(np.random.default_rng(0), Draw(skills=self.skills))
+        self.check_policies()
+
+    def check_policies(self) -> None:
+        """The part of `check` that asks whether the checkpoints hold what is needed."""
         LowLevel.load(self.low_level_folder())
         if self.high_level != ORACLE:
             HighLevel.load(self.high_level_folder())

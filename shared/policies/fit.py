@@ -94,7 +94,8 @@ def fit(
     began, encoder = time.monotonic(), encoder or shared_encoder()
     sources = sources_of(demonstrations, corrections, settings, bank, encoder, net)
     net.text.learn(bank.phrases, encoder)
-    teacher, fitter = Teacher(net, bank), Fitter(net, settings)
+    frozen = net.eyes.parameters() if settings.frozen_encoder else ()
+    teacher, fitter = Teacher(net, bank), Fitter(net, settings, frozen=frozen)
     lessons, text, agreement = Mean(), Mean(), Mean()
     done = 0
     for done in range(1, settings.steps + 1):
@@ -176,16 +177,20 @@ def sources_of(
 
 
 class Fitter:
-    """Optimizer, learning rate and averaged weights of one fit."""
+    """Optimizer, learning rate and averaged weights of one fit.
+
+    others: parameters that learn, too, and aren't averaged. frozen: those of the net that don't.
+    """
 
     def __init__(
         self,
-        net: HighLevelNet,
+        net: torch.nn.Module,
         settings: FitSettings,
         others: Iterable[torch.nn.Parameter] = (),
+        frozen: Iterable[torch.nn.Parameter] = (),
     ) -> None:
-        frozen = {id(part) for part in net.eyes.parameters()} if settings.frozen_encoder else set()
-        self._own = [part for part in net.parameters() if id(part) not in frozen]
+        kept = {id(part) for part in frozen}
+        self._own = [part for part in net.parameters() if id(part) not in kept]
         self._average = [part.detach().clone() for part in self._own]
         self._trained = [*self._own, *others]
         self._optimizer = torch.optim.AdamW(

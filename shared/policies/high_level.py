@@ -99,12 +99,13 @@ class HighLevel:
             PolicyError: the observation has another number of views or senses.
         """
         with torch.inference_mode():
-            answer = self.net(self._question(observation, past))
+            answer = self.net(self.question(observation, past))
             if self.head == "text":
                 return self._made(answer)
-            return self._scored(answer)
+            return self.scored(answer)
 
-    def _scored(self, answer: Answer) -> tuple[Proposal, ...]:
+    def scored(self, answer: Answer) -> tuple[Proposal, ...]:
+        """Every phrase of the bank with its probability, best first."""
         logits = self.net.scores(answer.meaning, self._phrases)[0]
         shares = torch.softmax(logits.double(), -1).numpy()
         order = np.argsort(-shares, kind="stable")
@@ -114,7 +115,10 @@ class HighLevel:
         phrases = self.net.text.phrases(answer.thought)
         return tuple(Proposal(goal=LanguageGoal(text=text), score=share) for text, share in phrases)
 
-    def _question(self, observation: Observation, past: Sequence[NDArray[np.uint8]]) -> Question:
+    def question(
+        self, observation: Observation, past: Sequence[NDArray[np.uint8]] = ()
+    ) -> Question:
+        """An observation as the network is asked about it; as for `propose`."""
         images = np.ascontiguousarray(observation.arrays["images"])
         senses = np.array(observation.arrays["proprioception"], np.float32)
         if (len(images), *senses.shape) != (VIEWS, SENSES):

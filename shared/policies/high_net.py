@@ -106,6 +106,14 @@ class HighLevelNet(nn.Module):
 
     def decide(self, slots: Tensor, wishes: Tensor, question: Question) -> Answer:
         """From slots and wishes to the answer; of the question it takes the rest."""
+        return self.answer(self.ponder(slots, wishes, question)[1])
+
+    def answer(self, thought: Tensor) -> Answer:
+        """What a thought [B, 256] says."""
+        return Answer(F.normalize(self.speak(thought).float(), dim=-1), thought)
+
+    def ponder(self, slots: Tensor, wishes: Tensor, question: Question) -> tuple[Tensor, Tensor]:
+        """The slots after they exchanged what they know, [B, O, MIND]; the thought, [B, 256]."""
         context = self._context(question)
         names = self.name.expand(len(slots), -1, -1)
         everywhere = context.unsqueeze(1).expand(-1, SLOTS, -1)
@@ -113,7 +121,7 @@ class HighLevelNet(nn.Module):
         for mind in self.minds:
             minds = mind(minds)
         thought = self.think(torch.cat([self.weigh(minds).flatten(1), context], -1))
-        return Answer(F.normalize(self.speak(thought).float(), dim=-1), thought)
+        return minds, thought
 
     def scores(self, meaning: Tensor, bank: Tensor) -> Tensor:
         """Logits of the bank's phrases [C, D], [B, C]: cosine by the learned temperature."""

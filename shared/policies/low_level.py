@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from shared.errors import PolicyError
-from shared.goals.family import Floats, GoalFamily, open_family
+from shared.goals.family import Floats
+from shared.goals.language.encoder import shared_encoder
 from shared.messages.goal import Goal
 from shared.policies import checkpoint, reader
 from shared.policies.checkpoint import Tensors, sha256_tensors
-from shared.policies.geometry import MEASURES, Geometry
-from shared.policies.low_net import CHUNK, CLOSED_M, OPEN_M, LowNet, Orders, targets
-from shared.policies.reader import Reader
+from shared.policies.geometry import MEASURES, Geometry, View
+from shared.policies.low_net import CHUNK, CLOSED_M, OPEN_M, LowNet, Motion, Orders, targets
+from shared.policies.reader import Reader, Sentences
 from shared.policies.tokens import OPEN_GAP_M
 
 
@@ -36,14 +37,14 @@ class LowLevel:
         self.chunk_steps = CHUNK
 
     @classmethod
-    def load(cls, folder: Path, family: GoalFamily | None = None) -> "LowLevel":
+    def load(cls, folder: Path, encoder: Sentences | None = None) -> "LowLevel":
         """The low level of a checkpoint.
 
         Raises:
             PolicyError: the folder holds no low level.
         """
         tensors = checkpoint.load(folder)[0]
-        return cls(build(tensors), reader.restore(tensors, family or open_family("language")))
+        return cls(build(tensors), reader.restore(tensors, encoder or shared_encoder()))
 
     def tensors(self) -> Tensors:
         """Copies of all tensors by name."""
@@ -128,10 +129,15 @@ class LowLevel:
         arm = torch.arange(2).repeat_interleave(count)
         seen = torch.from_numpy(proprioception).repeat(2, 1)
         view = self._net.geometry(seen, torch.from_numpy(objects).repeat(2, 1, 1), arm)
-        motion = self._net(view, Orders(*(part.repeat(2) for part in orders)))
+        motion = self.moved(view, Orders(*(part.repeat(2) for part in orders)))
         chunks = targets(motion.changes, view.now)
         done = torch.sigmoid(motion.done.reshape(2, count).mean(0))
         return torch.cat([chunks[:count], chunks[count:]], -1), done
+
+    def moved(self, view: View, orders: Orders) -> Motion:
+        """What the network does; where more is known than orders, it comes in here."""
+        motion: Motion = self._net(view, orders)
+        return motion
 
 
 def _present(objects: Floats) -> NDArray[np.bool_]:

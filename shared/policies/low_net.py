@@ -94,16 +94,27 @@ class LowNet(nn.Module):
             nn.LayerNorm(width), nn.Linear(width, 64), nn.GELU(), nn.Linear(64, 1)
         )
 
-    def forward(self, view: View, orders: Orders) -> Motion:
-        """What this arm does for its command."""
+    def forward(self, view: View, orders: Orders, extra: Tensor | None = None) -> Motion:
+        """What this arm does for its command. extra: [R, 64], what more is known of it."""
         command = self.command(orders.verbs)
-        count = len(command)
-        labels = self.label[self.kinds].expand(count, -1, -1)
-        tokens = torch.cat([view.tokens, labels], -1)
+        if extra is not None:
+            command = command + extra
+        tokens = self.labelled(view)
         chosen = self._choice(view, orders, command) @ tokens
-        near = (view.near.unsqueeze(1) @ tokens[:, :OBJECTS]).flatten(1)
-        pointed = tokens[torch.arange(count), orders.things.clamp(min=0)]
+        pointed = tokens[torch.arange(len(command)), orders.things.clamp(min=0)]
         pointed = pointed * (orders.things >= 0).unsqueeze(1)
+        return self.move(view, tokens, chosen, pointed, command)
+
+    def labelled(self, view: View) -> Tensor:
+        """The tokens with a label of their kind, [R, K, TOKEN_FEATURES + 8]."""
+        labels = self.label[self.kinds].expand(len(view.tokens), -1, -1)
+        return torch.cat([view.tokens, labels], -1)
+
+    def move(
+        self, view: View, tokens: Tensor, chosen: Tensor, pointed: Tensor, command: Tensor
+    ) -> Motion:
+        """From what was chosen [R, HEADS, *] and pointed at [R, *], and the command [R, 64]."""
+        near = (view.near.unsqueeze(1) @ tokens[:, :OBJECTS]).flatten(1)
         sights = self.sight(tokens).masked_fill(~view.valid.unsqueeze(-1), -1.0).amax(1)
         parts = [chosen.flatten(1), near, pointed, sights, view.body, command]
         x = self.enter(torch.cat(parts, -1))
@@ -111,17 +122,22 @@ class LowNet(nn.Module):
             x = x + block(x)
         return Motion(self.leave(x).unflatten(-1, (CHUNK, 7)), self.finished(x).squeeze(-1))
 
-    def _choice(self, view: View, orders: Orders, command: Tensor) -> Tensor:
-        """Weights of the tokens for each head, [R, HEADS, K]."""
+    def appeal(self, view: View, command: Tensor) -> Tensor:
+        """How much each head likes each token, [R, HEADS, K]."""
         kinds = self.kind[self.kinds]
         by_kind = self.choose(command).unflatten(-1, (HEADS, 32)) @ kinds.T
         lies = nn.functional.gelu(self.lie(view.tokens))
         by_lie = self.weigh(command).unflatten(-1, (HEADS, 32)) @ lies.transpose(1, 2)
+        scores: Tensor = (by_kind + by_lie).float()
+        return scores
+
+    def _choice(self, view: View, orders: Orders, command: Tensor) -> Tensor:
+        """Weights of the tokens for each head, [R, HEADS, K]."""
         allowed = self.about[orders.verbs][:, self.kinds] & view.valid
         rows = torch.arange(OBJECTS)
         allowed[:, :OBJECTS] &= rows == orders.things.unsqueeze(1)
-        scores = (by_kind + by_lie).float()
-        return torch.softmax(scores.masked_fill(~allowed.unsqueeze(1), -1e4), -1).to(lies.dtype)
+        scores = self.appeal(view, command).masked_fill(~allowed.unsqueeze(1), -1e4)
+        return torch.softmax(scores, -1).to(command.dtype)
 
 
 def squash(change: Tensor) -> Tensor:

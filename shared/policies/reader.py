@@ -1,46 +1,88 @@
-"""Reads a phrase as one of the commands that the low level knows, or refuses it.
+"""Reads a person's phrase as one of the commands that the low level knows, or refuses it.
 
-A phrase means the command whose known phrases are nearest to it as sentence vectors. What lies
-in the scene narrows the choice; what is near to nothing is refused.
+The phrase is taken apart by the states of its words: courtesy is dropped; the frame, with a word
+that stands for each thing and place, tells what to do; and thing and place are told by the known
+names that they are most like. What lies in the scene narrows the choice; what is like nothing
+known, or most like what nobody here can do, is refused.
 """
 
+import re
 import threading
 from collections import OrderedDict
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from shared.errors import PolicyError
-from shared.goals.family import Floats, GoalFamily
-from shared.messages.goal import Goal
+from shared.goals.family import Floats
+from shared.policies import tagger, teller
 from shared.policies.checkpoint import Tensors
 from shared.policies.examples import as_bytes, as_texts
+from shared.policies.phrase import Parts, plain, take_apart, words_of
+from shared.policies.spelling import corrected
+from shared.policies.tagger import Tagger
+from shared.policies.teller import Teller, softmax
 
 NEAREST = 3
 REMEMBERED = 4096
+ACTS = ("pick", "put", "plate", "bin", "tub", "down", "wait", "refuse")
+"""What a phrase may ask for; to put something somewhere is told further by the place."""
+PLACES = ("plate", "bin", "tub", "down")
+THINGS = 15
+PUTS = THINGS + np.arange(len(PLACES))  # Rows of the commands that put, in the order of PLACES.
+WAIT_ROW = THINGS + len(PLACES)
+ABSENT = 2.0
+"""By so much less likely, in logits, a thing is meant that isn't in the scene."""
+LEAST_ACT = 0.4
+LEAST_NAME = 0.2
+"""What is to be done, or the thing or place that is named, is refused where it is less probable."""
+
+
+class Sentences(Protocol):
+    """Reads sentences; the encoder of `shared.goals.language` is one."""
+
+    def embed(self, sentences: Iterable[str]) -> Floats:
+        """Unit vectors, [N, D] float32."""
+        ...
+
+    def is_word(self, text: str) -> bool:
+        """Whether it is a common word."""
+        ...
+
+    def states(self, sentence: str) -> Floats:
+        """What each of its words means where it stands, [W, S] float32."""
+        ...
 
 
 class Reading(NamedTuple):
     """What a phrase was taken for.
 
-    command: row of the command, None where it was refused. scores: [C] float32 in [-1, 1], of each
-    command, whether possible or not.
+    command: row of the command, None where it was refused. scores: [C] float32 in [0, 1], of each
+    command its probability.
     """
 
     command: int | None
     scores: Floats
 
 
-class Reader:
-    """Knows C commands by P phrases. Pure, and safe to use from several threads; remembers.
+class _Taken(NamedTuple):
+    """A phrase as understood without its scene: logits of acts [8], of each thing [15 + 1] and
+    each place [4 + 1] that it names."""
 
-    commands: their canonical texts. verbs: [C] rows of `low_net.VERBS`. things: [C] the row of the
-    object that each is about, -1 for none. phrases: the canonical text of each command among them.
-    owners: [P] the command of each phrase, -1 for what is to be refused.
-    vectors: [P, D] float32, unit length.
-    threshold: least score of what is not refused.
+    acts: Floats
+    things: tuple[Floats, ...]
+    places: tuple[Floats, ...]
+
+
+class Reader:
+    """Knows twenty commands. Pure, and safe to use from several threads; remembers.
+
+    commands: their canonical texts. verbs: [20] rows of `low_net.VERBS`. things: [20] the row of
+    the body that each is about, -1 for none.
+    parts: tells the part of each word. acts: what a frame asks for. names, places: which thing or
+    place is named.
     """
 
     def __init__(
@@ -48,32 +90,41 @@ class Reader:
         commands: Sequence[str],
         verbs: NDArray[np.int64],
         things: NDArray[np.int64],
-        phrases: Sequence[str],
-        owners: NDArray[np.int64],
-        vectors: Floats,
-        threshold: float,
-        family: GoalFamily,
+        parts: Tagger,
+        acts: Teller,
+        names: Teller,
+        places: Teller,
+        encoder: Sentences,
     ) -> None:
         self.commands, self.verbs, self.things = tuple(commands), verbs, things
-        self._phrases, self._owners, self._vectors = tuple(phrases), owners, vectors
-        self._threshold, self._family = threshold, family
-        self._rows = {_plain(text): row for row, text in enumerate(phrases)}
+        self._parts, self._acts, self._names, self._places = parts, acts, names, places
+        self._encoder = encoder
+        self._rows = {bare(text): row for row, text in enumerate(commands)}
+        self._known = {
+            word
+            for known in (acts, names, places)
+            for text in known.alike.texts
+            for word in words_of(text)
+        }
         self._lock = threading.Lock()
-        self._seen: OrderedDict[str, tuple[Floats, float]] = OrderedDict()
+        self._seen: OrderedDict[str, _Taken] = OrderedDict()
 
     def read(self, text: str, there: NDArray[np.bool_]) -> Reading:
-        """The command that a phrase means among those that are possible.
+        """The command that a phrase means, which may be about what is missing in the scene.
 
         there: [18] bool, what is in the scene.
         """
-        scores, strange = self._scores(text)
-        row = self._rows.get(_plain(text))
-        if row is not None and self._owners[row] >= 0:
-            return Reading(int(self._owners[row]), scores)
-        possible = np.where(self.possible(there), scores, -1.0)
-        best = int(possible.argmax())
-        clear = possible[best] >= max(self._threshold, strange)
-        return Reading(best if clear else None, scores)
+        said = bare(text)
+        if said not in self._rows:  # A command as it is needs no encoder to be read.
+            said = self.spelt(said)
+        row = self._rows.get(said)
+        if row is not None:
+            return Reading(row, np.eye(len(self.commands), dtype=np.float32)[row])
+        acts, names = self._told(self._taken(said), there)
+        scores = acts * names
+        best = int(scores.argmax())
+        sure = acts[best] >= LEAST_ACT and names[best] >= LEAST_NAME
+        return Reading(best if sure else None, scores)
 
     def possible(self, there: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """[C] Which commands are about nothing that is missing."""
@@ -83,27 +134,64 @@ class Reader:
 
     def nearest(self, scores: Floats, there: NDArray[np.bool_]) -> list[tuple[str, float]]:
         """The commands that a phrase is nearest to, and are possible, with their scores."""
-        order = np.argsort(-np.where(self.possible(there), scores, -2.0), kind="stable")
+        order = np.argsort(-np.where(self.possible(there), scores, -1.0), kind="stable")
         return [(self.commands[row], float(scores[row])) for row in order[:NEAREST]]
 
-    def _scores(self, text: str) -> tuple[Floats, float]:
-        """Of each command its nearest phrase's cosine, and the nearest of those to be refused."""
+    def spelt(self, text: str) -> str:
+        """The phrase as it is read: plain, without a full stop, slips of the finger undone."""
+        said = bare(text)
+        words = words_of(said)
+        for word, right in zip(words, corrected(words, self._known), strict=True):
+            if word != right and not self._encoder.is_word(word):
+                said = re.sub(rf"\b{word}\b", right, said)
+        return said
+
+    def apart(self, said: str) -> Parts:
+        """A phrase, as it is spelt, taken apart."""
+        words = words_of(said)
+        if not words:
+            return Parts("", (), ())
+        return take_apart(words, self._parts.parts(self._encoder.states(said)))
+
+    def _taken(self, said: str) -> _Taken:
         with self._lock:
-            known = self._seen.get(text)
+            known = self._seen.get(said)
         if known is None:
-            row = self._rows.get(_plain(text))
-            # A known phrase needs no encoder: the control loop doesn't wait for it.
-            vector = (
-                self._family.embed((Goal(text=text),))[0] if row is None else self._vectors[row]
-            )
-            best = np.full(len(self.commands) + 1, -1.0, np.float32)
-            np.maximum.at(best, self._owners, self._vectors @ vector)  # -1 is the last one.
-            known = best[:-1], float(best[-1])
+            known = self._take(self.apart(said))
             with self._lock:
-                self._seen[text] = known
+                self._seen[said] = known
                 while len(self._seen) > REMEMBERED:
                     self._seen.popitem(last=False)
         return known
+
+    def _take(self, parts: Parts) -> _Taken:
+        texts = (parts.frame, *parts.things, *parts.places)
+        frame, *rest = zip(texts, self._encoder.embed(texts), strict=True)
+        return _Taken(
+            self._acts.chances(*frame),
+            tuple(self._names.chances(*one) for one in rest[: len(parts.things)]),
+            tuple(self._places.chances(*one) for one in rest[len(parts.things) :]),
+        )
+
+    def _told(self, taken: _Taken, there: NDArray[np.bool_]) -> tuple[Floats, Floats]:
+        """[C] each: how probable each command's act is, and then its thing or place."""
+        told = dict(zip(ACTS, softmax(taken.acts), strict=True))
+        missing = np.append(np.where(there[:THINGS], 0.0, ABSENT), 0.0).astype(np.float32)
+        acts, names = np.ones((2, len(self.commands)), np.float32)
+        acts[:THINGS] = told["pick"]
+        names[:THINGS] = agreed([softmax(logits - missing) for logits in taken.things], THINGS)
+        places = agreed([softmax(logits) for logits in taken.places], len(PLACES))
+        put, without_place = told["put"], np.array([told[place] for place in PLACES])
+        if taken.places:  # To let go of something in a place is to put it there.
+            put, without_place[-1] = put + told["down"], 0.0
+        acts[PUTS] = put + without_place
+        names[PUTS] = (put * places + without_place) / acts[PUTS]
+        acts[WAIT_ROW] = told["wait"]
+        return acts, names
+
+    def with_encoder(self, encoder: Sentences) -> "Reader":
+        """The same reader, which has read nothing yet, with another encoder."""
+        return restore(self.tensors(), encoder)
 
     def tensors(self) -> Tensors:
         """All that `restore` needs, by name."""
@@ -111,14 +199,14 @@ class Reader:
             "reader.commands": as_bytes(list(self.commands)),
             "reader.verbs": self.verbs,
             "reader.things": self.things,
-            "reader.phrases": as_bytes(list(self._phrases)),
-            "reader.owners": self._owners,
-            "reader.vectors": self._vectors.astype(np.float16),
-            "reader.threshold": np.array([self._threshold], np.float32),
+            **self._parts.tensors("reader.parts"),
+            **self._acts.tensors("reader.acts"),
+            **self._names.tensors("reader.names"),
+            **self._places.tensors("reader.places"),
         }
 
 
-def restore(tensors: Tensors, family: GoalFamily) -> Reader:
+def restore(tensors: Tensors, encoder: Sentences) -> Reader:
     """The reader among the tensors of a low level.
 
     Raises:
@@ -129,15 +217,26 @@ def restore(tensors: Tensors, family: GoalFamily) -> Reader:
             as_texts(tensors["reader.commands"]),
             tensors["reader.verbs"],
             tensors["reader.things"],
-            as_texts(tensors["reader.phrases"]),
-            tensors["reader.owners"],
-            tensors["reader.vectors"].astype(np.float32),
-            float(tensors["reader.threshold"][0]),
-            family,
+            tagger.restore(tensors, "reader.parts"),
+            teller.restore(tensors, "reader.acts"),
+            teller.restore(tensors, "reader.names"),
+            teller.restore(tensors, "reader.places"),
+            encoder,
         )
     except KeyError as error:
         raise PolicyError(f"these tensors hold no reader: {error} is missing") from None
+    except RuntimeError as error:
+        raise PolicyError(f"these tensors hold no reader: {error}") from None
 
 
-def _plain(text: str) -> str:
-    return " ".join(text.lower().split()).rstrip(".!")
+def bare(text: str) -> str:
+    """A text in lower case, single spaces, without a full stop."""
+    return plain(text).rstrip(".!")
+
+
+def agreed(named: Sequence[Floats], count: int) -> Floats:
+    """[count] What all that is named may be, each [count + 1]; nothing, if nothing is named."""
+    if not named:
+        return np.zeros(count, np.float32)
+    least: Floats = np.min(np.stack(named), axis=0)[:count]
+    return least

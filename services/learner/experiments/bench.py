@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Protocol, TypeVar
 
 from shared.evaluation.attempts import Row
+from shared.evaluation.episode import Evaluator
 from shared.evaluation.evaluate import evaluate
 from shared.evaluation.phrase import Phrases, Said, Speaker, Trial
 from shared.evaluation.plan import Plan
@@ -58,33 +59,38 @@ class Bench:
         given = {"site": self.site, "seeds": self.seeds, "low_level": self.low_level}
         return Plan.model_validate({**given, **changes})
 
-    def episodes(self, name: str, plan: Plan) -> list[Row]:
+    def episodes(
+        self, name: str, plan: Plan, make: Callable[[Plan], Evaluator] = Evaluator
+    ) -> list[Row]:
         """One episode a seed, ordered by their seeds, so that two plans' rows make pairs.
 
+        make: as for `evaluate`.
         Raises:
             HldError: the plan can't work.
         """
         plan.check()
-        rows = evaluate(plan, self.pool, self._file(name))
-        return sorted(self._told(name, rows, len(plan.cases())), key=lambda row: row.seed)
+        rows = evaluate(plan, self.pool, self.file(name), make)
+        return sorted(self.told(name, rows, len(plan.cases())), key=lambda row: row.seed)
 
     def phrases(self, name: str, trials: Sequence[Trial], site: str = "") -> list[Said]:
         """What came of each trial, in their order."""
         plan = Phrases(site=site or self.site, low_level=self.low_level)
         trials = list(dict.fromkeys(trials))
-        rows = Rows(self._file(name), Said, plan.note())
+        rows = Rows(self.file(name), Said, plan.note())
         found = measure(self.pool, Speaker, plan, trials, lambda said: said.trial, rows)
-        by_trial = {said.trial: said for said in self._told(name, found, len(trials))}
+        by_trial = {said.trial: said for said in self.told(name, found, len(trials))}
         return [by_trial[trial] for trial in trials]
 
     def tasks(self, skills: int | None = None) -> list[str]:
         """The tasks whose prompts can take so many skills."""
         return [name for name, task in TASKS.items() if skills is None or skills in task.lengths]
 
-    def _file(self, name: str) -> Path:
+    def file(self, name: str) -> Path:
+        """Where rows of this name are kept."""
         return self.out / "rows" / f"{name}.jsonl"
 
-    def _told(self, name: str, rows: Iterable[R], total: int) -> Iterable[R]:
+    def told(self, name: str, rows: Iterable[R], total: int) -> Iterable[R]:
+        """The same rows, each of them told as it comes."""
         tell = self.reporter(name, total)
         for row in rows:
             tell()

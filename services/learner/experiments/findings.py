@@ -65,6 +65,12 @@ def cell(figures: dict[str, Any]) -> str:
     return f"{figures['success']:.2f} ({low:.2f} to {high:.2f})"
 
 
+def gap_cell(figures: dict[str, Any]) -> str:
+    """A paired difference as a cell of a table: +0.12 (+0.02 to +0.21), p = 0.031."""
+    low, high = figures["interval"]
+    return f"{figures['difference']:+.2f} ({low:+.2f} to {high:+.2f}), p = {figures['p']:.3f}"
+
+
 def curve(label: str, points: dict[float, dict[str, Any]] | dict[str, dict[str, Any]]) -> Curve:
     """A curve through rates by x."""
     rates = list(points.values())

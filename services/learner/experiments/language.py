@@ -7,7 +7,7 @@ import numpy as np
 from services.learner.experiments.bench import Bench
 from services.learner.experiments.findings import Findings, Panel, Plot, Table, cell, curve
 from services.learner.experiments.scenes import setting_for
-from services.learner.pretrain.words import unheard_phrases, unheard_refusals
+from services.learner.pretrain.unheard import unheard_phrases, unheard_refusals
 from shared.evaluation.phrase import Said, Trial
 from shared.evaluation.scene import Setting
 from shared.evaluation.watch import ATTEMPT_STEPS

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import NamedTuple
 
-from services.learner.experiments import horizon, language, skills, transitions
+from services.learner.experiments import baselines, horizon, language, skills, transitions
 from services.learner.experiments.bench import Bench
 from services.learner.experiments.findings import Findings
 from shared.errors import ConfigError, nearest
@@ -21,6 +21,7 @@ EXPERIMENTS = {
     "skills": Experiment(skills.run, small=2, full=100),
     "language": Experiment(language.run, small=2, full=100),
     "horizon": Experiment(horizon.run, small=1, full=60),
+    "baselines": Experiment(baselines.run, small=6, full=100),
     "transitions": Experiment(transitions.run, small=1, full=120),
 }
 

@@ -4,7 +4,15 @@ from itertools import product
 from typing import Any
 
 from services.learner.experiments.bench import Bench, slug
-from services.learner.experiments.findings import Findings, Panel, Plot, Table, cell, curve
+from services.learner.experiments.findings import (
+    Findings,
+    Panel,
+    Plot,
+    Table,
+    cell,
+    curve,
+    gap_cell,
+)
 from shared.evaluation.attempts import Row
 from shared.evaluation.plan import ORACLE
 from shared.evaluation.summary import summarize
@@ -99,7 +107,7 @@ def _table(high: str, by_pace: dict[str, Any]) -> Table:
             str(found["n"]),
             f"{found['steps']:.0f}",
             f"{found['decisions']:.0f}",
-            _gap(found.get("less_interval")),
+            gap_cell(found["less_interval"]) if "less_interval" in found else "",
             ", ".join(f"{name} {count}" for name, count in found["failures"].items()),
         )
         for pace, ways in by_pace.items()
@@ -110,10 +118,3 @@ def _table(high: str, by_pace: dict[str, Any]) -> Table:
         "failed first",
     )  # fmt: skip
     return Table(title=f"High level: {high}", columns=columns, rows=tuple(rows))
-
-
-def _gap(found: dict[str, Any] | None) -> str:
-    if found is None:
-        return ""
-    low, high = found["interval"]
-    return f"{found['difference']:+.2f} ({low:+.2f} to {high:+.2f}), p = {found['p']:.3f}"

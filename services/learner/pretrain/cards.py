@@ -33,8 +33,9 @@ def low_level(scale: Scale, seed: int, data_sha256: str) -> Card:
             f"The network regressed chunks of 10 steps, {updates:,} updates of 1,024 rows (a "
             "moment and an arm), AdamW with a cosine, averaged weights. It is told the verb and "
             "points at the thing; a second output tells whether the command is achieved.",
-            "Phrases are read as the command whose known phrases are nearest as sentence vectors, "
-            "of those that are possible in the scene; a quarter of the words was kept to measure.",
+            f"Its reader was taught {scale.phrases:,} phrases drawn from a lexicon: which part "
+            "each word plays, what is asked for, which thing and place are named, and what nobody "
+            "here can do; a tenth of the words was kept to measure.",
         ),
         command=_command(scale, seed),
         seed=seed,
@@ -42,8 +43,8 @@ def low_level(scale: Scale, seed: int, data_sha256: str) -> Card:
         tensors_sha256="",
         limits=(
             "It is told where the objects are (tokens from the simulator), it does not see.",
-            "It knows twenty commands and what reads alike; what is near to none is refused, but "
-            "the nearest one may be another than was meant.",
+            "It knows twenty commands and reads other words for them, in English; some it refuses "
+            "and some, mostly rare names of things, it takes for another thing.",
             "One arm moves at a time, and it does not plan around the other.",
         ),
     )

@@ -4,7 +4,7 @@ The right command is known at each decision; now and then something else is done
 shake and slip, so that there are also the states from which one has to recover.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -98,7 +98,7 @@ class Demonstrations:
         return Demonstrations(kept, self.status[rows], self.positions[rows], self.episodes[rows])
 
 
-class _Record:
+class Record:
     """Decisions as they are made."""
 
     def __init__(self) -> None:
@@ -160,9 +160,9 @@ def demonstrate(lesson: Lesson) -> Demonstrations:
     env = WorkcellEnv(lab)
     low_level = LowLevel.load(lesson.low_level) if lesson.low_level else None
     driver = HighLevel.load(lesson.driver) if lesson.driver else None
-    record = _Record()
+    record = Record()
     for seed in lesson.seeds:
-        _episode(env, seed, lesson, low_level, driver, record)
+        episode(env, seed, lesson, record, low_level, driver)
     env.close()
     return record.done()
 
@@ -174,14 +174,20 @@ def draw(rng: np.random.Generator) -> Draw:
     return Draw(length, MANNERS[int(rng.integers(len(MANNERS)))], CONSTRAINTS)
 
 
-def _episode(
+def episode(
     env: WorkcellEnv,
     seed: int,
     lesson: Lesson,
-    low_level: LowLevel | None,
-    driver: HighLevel | None,
-    record: _Record,
+    record: Record,
+    low_level: LowLevel | None = None,
+    driver: HighLevel | None = None,
+    expected: Callable[[str, NDArray[np.float64]], None] | None = None,
 ) -> None:
+    """One episode into the record.
+
+    expected: told before each control step of the command in force and of the action [14] that the
+    expert wants for it, before any noise; never where a low level moves the arms.
+    """
     rng = np.random.default_rng([seed, 1])
     env.draw = draw(rng)
     env.reset(seed=seed)
@@ -203,7 +209,10 @@ def _episode(
         if hand:
             action = hand.move(env)
         else:
-            action = expert.act(env.state, skills.parse(said[-1])) + noise.draw()
+            wanted = expert.act(env.state, skills.parse(said[-1]))
+            if expected:
+                expected(said[-1], wanted)
+            action = wanted + noise.draw()
         _, _, terminated, truncated, _ = env.step(action)
         over = terminated or truncated
 

@@ -5,22 +5,27 @@ from pathlib import Path
 
 from services.learner.pretrain import cards
 from services.learner.pretrain.exam import Attempt, Exam, by_name, figure, try_skills
+from services.learner.pretrain.reading_exam import HEARD, UNHEARD, final
 from services.learner.pretrain.stages import EXAM_SEED, PARTS, Pretraining
-from services.learner.pretrain.words import unheard_phrases
+from services.learner.pretrain.unheard import unheard_phrases
 from shared.evaluation.attempts import Row
 from shared.evaluation.episode import Evaluator
 from shared.evaluation.plan import ORACLE, Case, Plan
 from shared.policies import checkpoint
 from shared.policies.checkpoint import Figure
+from shared.policies.low_level import LowLevel
 from shared.workcell.skills import COMMANDS
 
 SITES = ("lab", "near", "far")
+QUESTIONS = 2
+"""Of a kind about each thing, to measure the reading of phrases."""
 
 
 def examine(pretraining: Pretraining, low_level: Path, high_level: Path) -> None:
     """Write `low_level` and `high_level` in the output folder, with figures on their cards."""
     skills = _skills(pretraining, low_level)
-    _publish(low_level, pretraining.out / "low_level", [*skills, *_tasks(pretraining, low_level)])
+    tasks = _tasks(pretraining, low_level)
+    _publish(low_level, pretraining.out / "low_level", [*skills, *tasks, *reading(low_level)])
     trials = _trials(pretraining, low_level, high_level)
     _publish(high_level, pretraining.out / "high_level", trials)
 
@@ -42,6 +47,23 @@ def _skills(pretraining: Pretraining, low_level: Path) -> list[Figure]:
         attempts = [attempt for part in parts for attempt in part]
         figures += by_name(attempts, f"skill {{}}, lab{said}")
     return figures
+
+
+def reading(low_level: Path) -> list[Figure]:
+    """How phrases are read that hold words of the exam, which no reader was taught."""
+    found = final(LowLevel.load(low_level).reader, QUESTIONS)
+    kinds = found["kinds"]
+    rates = {
+        "phrase of known words read rightly": kinds[HEARD],
+        "unheard phrase read rightly": found["unheard words"],
+        **{f"unheard phrase read rightly, {kind}": kinds[kind] for kind in UNHEARD},
+        "what can't be done refused": found["refusals"],
+        **{f"confused, {pair}": rate for pair, rate in found["confused"].items()},
+    }
+    return [
+        Figure(name=name, value=rate["success"], n=rate["n"], interval=tuple(rate["interval"]))
+        for name, rate in rates.items()
+    ]
 
 
 def _tasks(pretraining: Pretraining, low_level: Path) -> list[Figure]:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 from safetensors.torch import load_file, save_file
 from torch import Tensor, nn
 from torch.nn import functional as F
@@ -64,7 +65,7 @@ class Witness(nn.Module):
         return told + 4.0 * off / (3 * there.sum()), right
 
 
-class _Lessons:
+class Lessons:
     """Demonstrations made ready, with what only training knows of them."""
 
     def __init__(self, lessons: Demonstrations, count: int, bank: PhraseBank, net: HighLevelNet):
@@ -78,7 +79,10 @@ class _Lessons:
 
     def draw(self, rng: np.random.Generator) -> tuple[Batch, Tensor, Tensor, Meanings]:
         """A batch; of each decision statuses, positions, and what its prompt means."""
-        rows = self.source.choose(rng)
+        return self.at(self.source.choose(rng))
+
+    def at(self, rows: NDArray[np.int64]) -> tuple[Batch, Tensor, Tensor, Meanings]:
+        """The same of these rows."""
         truth = self._status[rows], self._positions[rows], self._meanings.at(self._prompt[rows])
         return self.source.at(rows), *truth
 
@@ -100,13 +104,13 @@ def fit_high(
     """
     net.text.learn(bank.phrases, shared_encoder())
     torch.manual_seed(settings.seed)
-    ready = _Lessons(lessons, settings.batch, bank, net)
+    ready = Lessons(lessons, settings.batch, bank, net)
     more = Prompts(prompts, settings.seed, shared_encoder())
     sight, reader = Witness(), Reader()
     fitter = Fitter(net, settings, [*sight.parameters(), *reader.parameters()])
     teacher, lost = Teacher(net, bank), Mean(0.02)
     right, known, meant = Mean(0.02), Mean(0.02), Mean(0.02)
-    for step in range(_resumed(fitter, kept), settings.steps):
+    for step in range(resumed(fitter, kept), settings.steps):
         rng = np.random.default_rng([settings.seed, step + 1])
         batch, status, positions, meanings = ready.draw(rng)
         extra, extra_meanings = more.draw(PROMPTS, rng)
@@ -123,7 +127,7 @@ def fit_high(
         for mean, value in ((right, said.right), (known, found), (meant, understood)):
             mean.add(value)
         if kept and (step + 1) % KEPT_UPDATES == 0:
-            _keep(fitter, step + 1, kept)
+            keep(fitter, step + 1, kept)
         if not progress(step + 1, settings.steps, lost.add(said.bank.item())):
             break
     fitter.finish()
@@ -134,14 +138,14 @@ def _both(one: Meanings, other: Meanings) -> Meanings:
     return Meanings(*(torch.cat(parts) for parts in zip(one, other, strict=True)))
 
 
-def _keep(fitter: Fitter, done: int, file: Path) -> None:
+def keep(fitter: Fitter, done: int, file: Path) -> None:
     """Write beside the file and move it there, so that it is always whole."""
     beside = file.with_name(f"unfinished-{file.name}")
     save_file({**fitter.state(), "done": torch.tensor(done)}, beside)
     beside.rename(file)
 
 
-def _resumed(fitter: Fitter, file: Path | None) -> int:
+def resumed(fitter: Fitter, file: Path | None) -> int:
     """Take up what was kept; how many updates it had made."""
     if file is None or not file.exists():
         return 0

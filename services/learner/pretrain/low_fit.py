@@ -12,24 +12,18 @@ from torch import Tensor
 from torch.nn import functional as F
 
 from services.learner.pretrain.practice import Steps
-from services.learner.pretrain.words import known_phrases, refused_phrases
-from shared.goals.family import open_family
-from shared.messages.goal import LanguageGoal
 from shared.policies.geometry import Geometry, View
 from shared.policies.low_net import CHUNK, JOINTS, VERBS, LowNet, Orders, squash
 from shared.policies.precision import autocast
-from shared.policies.reader import Reader
 from shared.workcell import expert, layout, placing
 from shared.workcell.kinematics import BASE_X
 from shared.workcell.objects import BODY_NAMES, OBJECTS
-from shared.workcell.skills import COMMANDS, SKILLS
+from shared.workcell.skills import SKILLS
 
 EXECUTED = 5
 LATE_WEIGHT = 0.3
 GRIP_WEIGHT = 0.5
 DONE_WEIGHT = 0.1
-THRESHOLD = 0.4
-"""Least cosine of a phrase to one that is known."""
 AVERAGE = 0.999
 PORTION = 4096
 
@@ -53,7 +47,7 @@ class Rows:
 
     def __init__(self, steps: Steps, geometry: Geometry, seed: int) -> None:
         self._steps = steps
-        self.moments, self.arms = _worth_learning(steps, np.random.default_rng(seed))
+        self.moments, self.arms = worth_learning(steps, np.random.default_rng(seed))
         portions = np.array_split(np.arange(len(self)), max(1, len(self) // PORTION))
         parts = [_packed(geometry(*self._senses(portion))) for portion in portions]
         self._tokens, self._valid, self._body, self._near = (
@@ -73,7 +67,7 @@ class Rows:
         """`count` rows with replacement."""
         rows = rng.integers(0, len(self), count)
         moments, arms = self.moments[rows], self.arms[rows]
-        now, answers, weights = _answers(self._steps, moments, arms)
+        now, answers, weights = answers_of(self._steps, moments, arms)
         index = torch.from_numpy(rows)
         view = View(
             self._tokens[index].float(),
@@ -107,10 +101,10 @@ def _packed(view: View) -> tuple[Tensor, Tensor, Tensor, Tensor]:
     return view.tokens.half(), view.valid, view.body.half(), view.near.half()
 
 
-def _worth_learning(
+def worth_learning(
     steps: Steps, rng: np.random.Generator
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Moments and arms of all rows, but only a part of those in which an arm just rests."""
+    """Moments and arms of all rows, by moment, but few of those in which an arm just rests."""
     moves = np.abs(steps.actions - steps.proprioception[:, :14]).reshape(-1, 2, 7)
     resting = (moves[:, :, :JOINTS].max(-1) < 0.012) & (moves[:, :, JOINTS] < 0.01)
     kept = ~resting | (rng.random(resting.shape) < 0.15)
@@ -118,7 +112,7 @@ def _worth_learning(
     return moments, arms
 
 
-def _answers(
+def answers_of(
     steps: Steps, moments: NDArray[np.int64], arms: NDArray[np.int64]
 ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]:
     """Joints now [R, 6], the expert's next targets [R, S, 7], 1 within the run [R, S]."""
@@ -151,26 +145,6 @@ def orders() -> Orders:
     verbs = [VERBS.index(skill.verb) for skill in SKILLS]
     things = [-1 if skill.object is None else BODY_NAMES.index(skill.object) for skill in SKILLS]
     return Orders(torch.tensor(verbs), torch.tensor(things))
-
-
-def known_words(most: int | None = None) -> Reader:
-    """The reader of the known phrases. most: of each command, to try the recipe; None: all."""
-    said, strange = known_phrases(), refused_phrases()[:most]
-    said = [phrases[:most] for phrases in said]
-    texts = [*(text for row in said for text in row), *strange]
-    owners = [*np.repeat(np.arange(len(said)), [len(row) for row in said]), *([-1] * len(strange))]
-    needs = [skill.object or skill.verb for skill in SKILLS]
-    family = open_family("language")
-    return Reader(
-        COMMANDS,
-        orders().verbs.numpy(),
-        np.array([BODY_NAMES.index(name) if name in BODY_NAMES else -1 for name in needs]),
-        texts,
-        np.array(owners),
-        family.embed(tuple(LanguageGoal(text=text) for text in texts)),
-        THRESHOLD,
-        family,
-    )
 
 
 def fit_low(

@@ -33,8 +33,8 @@ class HighRound(Settings):
 
 
 class Scale(Settings):
-    """low: rounds of the low level; in the first the expert drives alone. phrases: that its reader
-    knows of each command; None: all.
+    """low: rounds of the low level; in the first the expert drives alone. phrases: drawn to
+    teach its reader.
 
     expert_episodes, learned_episodes: demonstrations by the expert's hand and by the low level's;
     expert_mistakes, learned_mistakes: chance that a decision in them begins a wrong stretch.
@@ -47,7 +47,7 @@ class Scale(Settings):
     """
 
     low: tuple[LowRound, ...]
-    phrases: Count | None = None
+    phrases: Count = 6_000
     expert_episodes: Count
     learned_episodes: Count
     expert_mistakes: float = 0.05
@@ -65,7 +65,7 @@ class Scale(Settings):
 SCALES = {
     "small": Scale(
         low=(LowRound(practice=6_000, updates=120), LowRound(practice=2_000, updates=60)),
-        phrases=6,
+        phrases=400,
         expert_episodes=8,
         learned_episodes=2,
         validation_episodes=2,

@@ -19,8 +19,10 @@ import torch
 from services.learner.pretrain import cards, demonstrate, practice
 from services.learner.pretrain.demonstrate import Demonstrations, Lesson
 from services.learner.pretrain.high_fit import fit_high
-from services.learner.pretrain.low_fit import LowFitSettings, fit_low, known_words, measures
+from services.learner.pretrain.lexicon import exam
+from services.learner.pretrain.low_fit import LowFitSettings, fit_low, measures
 from services.learner.pretrain.practice import Steps, practise
+from services.learner.pretrain.reader_fit import ReaderFitSettings, fit_reader
 from services.learner.pretrain.replay import choose
 from services.learner.pretrain.scale import Scale
 from shared.goals.language.bank import PhraseBank
@@ -31,6 +33,7 @@ from shared.policies.high_level import BASE_VERSION, HighLevel
 from shared.policies.high_net import HighLevelNet
 from shared.policies.low_level import LowLevel, build
 from shared.policies.low_net import LowNet
+from shared.policies.reader import Reader
 from shared.seeds import DEMONSTRATION
 from shared.workcell.skills import COMMANDS
 
@@ -89,12 +92,16 @@ class Pretraining:
             tell = self.reporter.stage(f"low level {number}", round_.updates)
             net = build(checkpoint.load(before)[0]) if before else self._fresh_low()
             net = fit_low(net, practice.join(parts), settings, _told(tell))
-            low_level = LowLevel(net, known_words(self.scale.phrases))
+            low_level = LowLevel(net, self._reader())
             tell(round_.updates)
             data = (self.out / f"practice-{row}.safetensors" for row in range(number + 1))
             card = cards.low_level(self.scale, self.seed, _sha256(data))
             _write(folder, lambda path: checkpoint.save(path, low_level.tensors(), card))
         return folder
+
+    def _reader(self) -> Reader:
+        settings = ReaderFitSettings(phrases=self.scale.phrases, seed=self.seed)
+        return fit_reader(exam()[0], settings)
 
     def _fresh_low(self) -> LowNet:
         torch.manual_seed(self.seed)

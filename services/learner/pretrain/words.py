@@ -1,135 +1,208 @@
-"""What people call things and skills: phrases to know, and phrases that are kept for tests.
+"""Phrases made of a lexicon, with the part that each of their words plays.
 
-Every fourth word of `words.toml`, drawn by a fixed seed, is kept aside: nouns for the things,
-sentences for the puts, and what no robot of this cell can do. A test phrase is made of at least one
-word that was kept aside; the canonical commands are always known.
+A phrase is a row of pieces; each piece is said for one part: "filler" (courtesy, protest, where
+it lies), "act", "thing", "place", or "contrast" (a thing that is not meant).
 """
 
-import tomllib
-from functools import cache
-from importlib import resources
-from itertools import product
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from shared.workcell.skills import SKILLS, Skill
+from services.learner.pretrain.lexicon import Lexicon, Table
+from shared.policies.phrase import ACT, CONTRAST, FILLER, PLACE, THING, take_apart, words_of
+from shared.workcell.objects import index
+from shared.workcell.skills import PUT_DOWN, PUT_IN_BIN, PUT_IN_TUB, PUT_ON_PLATE, WAIT, pick
 
-KEPT = 4
-"""One in so many words is kept for tests."""
-BEFORE = ("no, {}", "please {}", "{}, please", "now {}", "could you {}?", "{} now", "ok, {}")
-COMMON = 6
-SEED = 1
+Piece = tuple[str, int]
+_PUT = {"plate": PUT_ON_PLATE, "bin": PUT_IN_BIN, "tub": PUT_IN_TUB, "down": PUT_DOWN}
+NAMED = {"put": "named_put", "down": "named_down"}
+"""By act the list of what is said for it when what is held is named."""
+DETERMINERS = ("the", "the", "the", "that", "this", "a", "my", "")
+POINTING = ("it", "it", "that", "this")
+BESIDE = 0.15
+"""How often it is said where a thing lies."""
+DIRECT = {"plate": 0.3, "bin": 0.3, "tub": 0.3, "down": 0.7}
+"""How often a put is said without a place."""
+WHERE = " @ "
+"""Between a thing and where it lies, until the phrase is put together."""
 
 
-class Words(NamedTuple):
-    """The words of one side of the split.
+class Said(NamedTuple):
+    """A phrase.
 
-    things: by name its nouns. frames: by verb its sentences. other: what is to be refused: whole
-    sentences, things, places.
+    parts: of each of its words the part it plays, as `shared.policies.phrase` numbers them.
+    act: what its frame asks for, one of `reader.ACTS`; "put" where the place tells the rest.
+    meant: the command, "" for none that any robot here knows.
     """
 
-    things: dict[str, tuple[str, ...]]
-    frames: dict[str, tuple[str, ...]]
-    other: dict[str, tuple[str, ...]]
+    text: str
+    parts: tuple[int, ...]
+    act: str
+    meant: str
 
 
-@cache
-def split() -> tuple[Words, Words]:
-    """The words that are known, and those that are kept for tests."""
-    text = resources.files("services.learner.pretrain").joinpath("words.toml").read_text()
-    table = tomllib.loads(text)
-    rng = np.random.default_rng(SEED)
-    both: tuple[list[dict[str, tuple[str, ...]]], ...] = ([], [])
-    for part in (table["things"], table["frames"], table["other"]):
-        pairs = {name: _cut(words, rng) for name, words in part.items()}
-        for side in (0, 1):
-            both[side].append({name: pair[side] for name, pair in pairs.items()})
-    known, kept = (Words(things, frames, other) for things, frames, other in both)
-    return known, kept
+class Speaker:
+    """Draws phrases: acts of one lexicon, things and places of another, courtesy of a third."""
 
+    def __init__(
+        self, acts: Lexicon, things: Lexicon, courtesy: Lexicon, rng: np.random.Generator
+    ) -> None:
+        self._acts, self._things, self._courtesy, self._rng = acts, things, courtesy, rng
 
-def _cut(words: list[str], rng: np.random.Generator) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """The first one, the canonical word, is always known."""
-    kept = {int(row) for row in 1 + rng.permutation(len(words) - 1)[: len(words) // KEPT]}
-    known = tuple(word for row, word in enumerate(words) if row not in kept)
-    return known, tuple(words[row] for row in sorted(kept))
+    def pick(self, thing: str) -> Said:
+        """A request to pick a thing up."""
+        return self._said(self._framed("pick", self.named(thing)), "pick", pick(index(thing)))
 
+    def contrasted(self, thing: str, other: str) -> Said:
+        """A request for one thing and not for another."""
+        frame = self._any(self._courtesy.courtesy, "contrast")
+        pieces: list[Piece] = []
+        for part, text in _cut(frame, ("{x}", "{n}")):
+            if part == "{x}":
+                pieces.append((self.named(other), CONTRAST))
+            elif part == "{n}":
+                pieces += self._bare_or_framed(self.named(thing), first=not pieces)
+            else:
+                pieces.append((text, FILLER))
+        return self._said(pieces, "pick", pick(index(thing)))
 
-def known_phrases() -> list[list[str]]:
-    """For each command what the reader is taught, the canonical command first.
+    def put(self, verb: str, named: str = "", placed: bool = False) -> Said:
+        """A request to put what is held on the plate, in the bin, in the tub or on the table.
 
-    Of a pick every noun in some sentences and every sentence with some nouns: the rest follows.
-    """
-    known, _ = split()
-    told = []
-    for skill in SKILLS:
-        if skill.object is None:
-            said = list(known.frames[skill.verb])
+        named: a thing that is named as what is held. placed: the place is said, whatever the verb.
+        """
+        held = self.named(named) if named else ""
+        direct = NAMED.get(verb, "") if named else verb
+        if self._acts.acts.get(direct) and not placed and self._rng.random() < DIRECT[verb]:
+            frame = self._any(self._acts.acts, direct)
+            return self._said(_fill(frame, held, ""), verb, _PUT[verb])
+        place = self._any(self._things.places, verb)
+        frame = self._any(self._acts.acts, NAMED["put"] if named else "put")
+        return self._said(_fill(frame, held, place), "put", _PUT[verb])
+
+    def wait(self) -> Said:
+        """A request to wait."""
+        return self._said([(self._any(self._acts.acts, "wait"), ACT)], "wait", WAIT)
+
+    def unknown_thing(self) -> Said:
+        """A request to pick up what no robot here knows."""
+        noun = self._determined(self._any(self._things.others, "things"))
+        return self._said(self._framed("pick", noun), "pick", "")
+
+    def unknown_act(self, thing: str) -> Said:
+        """A request to do with a thing what no robot here can do."""
+        frame = self._any(self._acts.others, "acts")
+        return self._said(_fill(frame, self.named(thing), ""), "refuse", "")
+
+    def unknown_place(self, named: str = "") -> Said:
+        """A request to put what is held somewhere else."""
+        place = self._any(self._things.places, "other")
+        frame = self._any(self._acts.acts, NAMED["put"] if named else "put")
+        return self._said(_fill(frame, self.named(named) if named else "", place), "put", "")
+
+    def pointing(self) -> Said:
+        """A request to pick up what isn't named."""
+        frame = self._any(self._acts.acts, "pick").replace("{}", str(self._rng.choice(POINTING)))
+        return self._said([(frame, ACT)], "pick", "")
+
+    def chat(self) -> Said:
+        """Whatever else is said."""
+        return self._said([(self._any(self._acts.others, "said"), ACT)], "refuse", "")
+
+    def two(self, thing: str, other: str) -> Said:
+        """A request for two things at once."""
+        texts = [self.named(thing), self.named(other)]
+        pieces = []
+        for part, text in _cut(self._any(self._courtesy.courtesy, "two"), ("{}",)):
+            pieces.append((texts.pop(0), THING) if part else (text, ACT))
+        return self._said(pieces, "refuse", "")
+
+    def dressed(self, said: Said) -> Said:
+        """The same with courtesy or protest before, after, or both; maybe where the thing lies."""
+        where = int(self._rng.integers(3))
+        before = self._any(self._courtesy.courtesy, "before") if where != 1 else ""
+        after = self._any(self._courtesy.courtesy, "after") if where != 0 else ""
+        glue = "" if after.startswith(",") else " "
+        text = f"{before} {said.text}{glue}{after}".strip()
+        parts = (
+            *([FILLER] * len(words_of(before))),
+            *said.parts,
+            *([FILLER] * len(words_of(after))),
+        )
+        return said._replace(text=text, parts=parts)
+
+    def misspelt(self, said: Said) -> Said:
+        """The same with a slip of the finger in one long word."""
+        words = words_of(said.text)
+        long = [word for word in words if len(word) > 3 and word.isalpha()]
+        if not long:
+            return said
+        word = str(self._rng.choice(long))
+        at = 1 + int(self._rng.integers(len(word) - 2))
+        slip = int(self._rng.integers(3))
+        if slip == 0:
+            wrong = word[:at] + word[at + 1] + word[at] + word[at + 2 :]
         else:
-            frames, nouns = known.frames[skill.verb], known.things[skill.object]
-            pairs = [*product(frames[:COMMON], nouns), *product(frames[COMMON:], nouns[:COMMON])]
-            said = [frame.format(noun) for frame, noun in pairs]
-        told.append(list(dict.fromkeys([skill.text, *said])))
-    return told
+            wrong = word[:at] + (word[at] * 2 if slip == 1 else "") + word[at + 1 :]
+        return said._replace(text=said.text.replace(word, wrong, 1))
+
+    def named(self, thing: str) -> str:
+        """A thing with its determiner, by any of its names."""
+        noun = self._determined(self._any(self._things.things, thing))
+        if self._rng.random() < BESIDE:
+            noun += WHERE + self._any(self._courtesy.courtesy, "beside")
+        return noun
+
+    def _determined(self, noun: str) -> str:
+        return f"{self._rng.choice(DETERMINERS)} {noun}".strip()
+
+    def _framed(self, verb: str, noun: str) -> list[Piece]:
+        return _fill(self._any(self._acts.acts, verb), noun, "")
+
+    def _bare_or_framed(self, noun: str, first: bool) -> list[Piece]:
+        if not first and self._rng.random() < 0.5:
+            return [(noun, THING)]
+        return self._framed("pick", noun) if first else [(noun, THING)]
+
+    def _any(self, table: Table, name: str) -> str:
+        groups = table[name]
+        return str(self._rng.choice(groups[int(self._rng.integers(len(groups)))]))
+
+    def _said(self, pieces: Sequence[Piece], act: str, meant: str) -> Said:
+        pieces = [split for piece in pieces for split in _parted(piece)]
+        text = " ".join(" ".join(piece for piece, _ in pieces).split()).replace(" ,", ",")
+        parts = tuple(part for piece, part in pieces for _ in words_of(piece))
+        return Said(text, parts, act, meant)
 
 
-def refused_phrases() -> list[str]:
-    """What the reader is taught to refuse."""
-    return _refusable(split()[0])
+def _parted(piece: Piece) -> list[Piece]:
+    """A thing and where it lies."""
+    thing, _, where = piece[0].partition(WHERE)
+    return [(thing, piece[1]), *([(where, FILLER)] if where else [])]
 
 
-def _refusable(words: Words) -> list[str]:
-    """Sentences, unknown things in known frames, unknown places."""
-    frames = split()[0].frames["pick"][:COMMON]
-    things = [frames[row % COMMON].format(noun) for row, noun in enumerate(words.other["things"])]
-    things += [
-        frames[(row + 2) % COMMON].format(it) for row, it in enumerate(words.other["things"])
-    ]
-    return [*words.other["said"], *things, *(f"put it {place}" for place in words.other["places"])]
+def frame_of(frame: str) -> str:
+    """A frame of the lexicon as the reader sees it."""
+    pieces = _fill(frame, "x", "y")
+    words = [word for text, _ in pieces for word in words_of(text)]
+    return take_apart(words, [part for text, part in pieces for _ in words_of(text)]).frame
 
 
-class Unheard(NamedTuple):
-    """A phrase that was never taught. new: what in it is: "noun", "verb" or "both"."""
-
-    phrase: str
-    new: str
+def _fill(frame: str, noun: str, place: str) -> list[Piece]:
+    kinds = {"{}": (noun, THING), "[]": (place, PLACE)}
+    return [kinds.get(part, (text, ACT)) for part, text in _cut(frame, tuple(kinds))]
 
 
-def unheard_phrases() -> list[list[Unheard]]:
-    """For each command phrases with words that were kept aside, in an order drawn once.
-
-    Of picks a third each has a new noun, a new verb, both; half of all have a word of courtesy or
-    protest before or after.
-    """
-    known, kept = split()
-    rng, told = np.random.default_rng(SEED), []
-    for skill in SKILLS:
-        new = {"verb": _phrases(skill, known, kept)}
-        if skill.object:
-            new |= {"noun": _phrases(skill, kept, known), "both": _phrases(skill, kept, kept)}
-        drawn = [[Unheard(str(it), kind) for it in rng.permutation(new[kind])] for kind in new]
-        least = min(map(len, drawn))
-        turns = [unheard for row in range(least) for unheard in (kind[row] for kind in drawn)]
-        told.append([_dressed(one, row) for row, one in enumerate(turns)])
-    return told
-
-
-def unheard_refusals() -> list[str]:
-    """What must be refused and was never heard."""
-    return _refusable(split()[1])
-
-
-def _phrases(skill: Skill, things: Words, frames: Words) -> list[str]:
-    said = frames.frames[skill.verb]
-    if skill.object is None:
-        return list(said)
-    return [frame.format(noun) for frame, noun in product(said, things.things[skill.object])]
-
-
-def _dressed(unheard: Unheard, row: int) -> Unheard:
-    """Every other one with something said before or after."""
-    if row % 2:
-        return unheard
-    frame = BEFORE[row // 2 % len(BEFORE)]
-    return unheard._replace(phrase=frame.format(unheard.phrase))
+def _cut(frame: str, slots: tuple[str, ...]) -> list[tuple[str, str]]:
+    """The frame in pieces: (slot, "") or ("", text)."""
+    pieces, rest = [], frame
+    while rest:
+        found = [(rest.index(slot), slot) for slot in slots if slot in rest]
+        at, slot = min(found, default=(len(rest), ""))
+        if rest[:at].strip():
+            pieces.append(("", rest[:at].strip()))
+        if slot:
+            pieces.append((slot, ""))
+        rest = rest[at + len(slot) :]
+    return pieces

@@ -6,8 +6,6 @@ Source: Devlin et al. 2019 (arXiv 1810.04805), post-norm encoder; sentence vecto
 over word pieces, as Reimers and Gurevych 2019 (arXiv 1908.10084).
 """
 
-from collections.abc import Iterator, Sequence
-
 import torch
 from torch import Tensor
 from torch.nn import functional as F
@@ -19,26 +17,22 @@ EPSILON = 1e-12
 
 def embed(tensors: Tensors, tokens: Tensor, mask: Tensor) -> Tensor:
     """Unit vectors [B, D] float32 of padded word pieces [B, T] int64; mask [B, T] bool."""
-    *_, x = _layers(tensors, tokens, mask)
-    kept = mask.unsqueeze(-1).to(x.dtype)
-    mean = (x * kept).sum(1) / kept.sum(1)
+    return pool(states(tensors, tokens, mask)[-1], mask)
+
+
+def states(tensors: Tensors, tokens: Tensor, mask: Tensor) -> list[Tensor]:
+    """What every layer makes of each word piece, [B, T, D] each; the first is of no layer yet."""
+    found = [_read(tensors, tokens)]
+    while f"encoder.layer.{len(found) - 1}.output.dense.weight" in tensors:
+        found.append(_layer(tensors, f"encoder.layer.{len(found) - 1}.", found[-1], mask))
+    return found
+
+
+def pool(last: Tensor, mask: Tensor) -> Tensor:
+    """Unit vectors [B, D] of the last layer's states [B, T, D]."""
+    kept = mask.unsqueeze(-1).to(last.dtype)
+    mean = (last * kept).sum(1) / kept.sum(1)
     return F.normalize(mean, dim=-1)
-
-
-def states(tensors: Tensors, tokens: Tensor, mask: Tensor, layers: Sequence[int]) -> Tensor:
-    """What some layers, counted from 1, say of each word piece, [B, T, len(layers), D] float32."""
-    known = list(_layers(tensors, tokens, mask))
-    return torch.stack([known[layer - 1] for layer in layers], 2)
-
-
-def _layers(tensors: Tensors, tokens: Tensor, mask: Tensor) -> Iterator[Tensor]:
-    """The word pieces after each layer, [B, T, D]."""
-    x = _read(tensors, tokens)
-    layer = 0
-    while f"encoder.layer.{layer}.output.dense.weight" in tensors:
-        x = _layer(tensors, f"encoder.layer.{layer}.", x, mask)
-        yield x
-        layer += 1
 
 
 def _read(tensors: Tensors, tokens: Tensor) -> Tensor:

@@ -3,9 +3,10 @@
 Both levels read commands through it, so that a new phrase needs no new weights.
 """
 
+import re
 import threading
 from collections import OrderedDict
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 import torch
@@ -20,9 +21,11 @@ from shared.messages.goal import Goal
 WIDTH = 384
 MAX_PIECES = 64
 REMEMBERED = 4096
+BATCH = 64
 TOKEN_LAYERS = (3, 6)
-"""Layers whose word pieces are given out: nearer to the words, and to what the sentence means."""
+"""Layers whose states are given out: nearer to the words, and to what the sentence means."""
 TOKEN_WIDTH = len(TOKEN_LAYERS) * WIDTH
+WORD = re.compile(r"[a-z0-9]+(?:['-][a-z0-9]+)*")
 
 
 class Encoder:
@@ -45,7 +48,7 @@ class Encoder:
         Raises:
             PolicyError: the encoder's wheel is missing or not the pinned one.
         """
-        texts = [" ".join(sentence.lower().split()) for sentence in sentences]
+        texts = [_plain(sentence) for sentence in sentences]
         if not texts:
             return np.zeros((0, WIDTH), np.float32)
         with self._lock:
@@ -65,21 +68,62 @@ class Encoder:
         Raises:
             PolicyError: the encoder's wheel is missing or not the pinned one.
         """
-        texts = [" ".join(sentence.lower().split()) for sentence in sentences]
         with self._lock, torch.inference_mode():
-            batches = (self._pieces(text) for text in texts)
-            found = (bert.states(self._tensors, *batch, TOKEN_LAYERS) for batch in batches)
-            return [states[0].flatten(1).numpy() for states in found]
+            batches = (self._pieces(_plain(sentence)) for sentence in sentences)
+            found = (bert.states(self._tensors, *batch) for batch in batches)
+            return [_given_out(states)[0].numpy() for states in found]
+
+    def states(self, sentence: str) -> Floats:
+        """The same word by word, [W, 768] float32: the mean over a word's pieces.
+
+        Words are runs of letters and digits; what hangs on an apostrophe or a hyphen belongs to
+        its word.
+
+        Raises:
+            PolicyError: as `embed`.
+        """
+        return self.study([sentence])[1][0]
 
     def remember(self, sentences: Iterable[str], vectors: Floats) -> None:
         """Take over vectors [N, 384] that were computed before, so that no weights are needed."""
         with self._lock:
             for sentence, vector in zip(sentences, vectors, strict=True):
-                self._seen[" ".join(sentence.lower().split())] = vector
+                self._seen[_plain(sentence)] = vector
 
     def _forget(self) -> None:
         while len(self._seen) > REMEMBERED:
             self._seen.popitem(last=False)
+
+    def is_word(self, text: str) -> bool:
+        """Whether a text in lower case is so common a word that it is a word piece of its own.
+
+        Raises:
+            PolicyError: as `embed`.
+        """
+        with self._lock:
+            return self._load().token_to_id(text) is not None
+
+    def study(self, sentences: Sequence[str]) -> tuple[Floats, list[Floats]]:
+        """Many at once, to learn from: `embed` [N, 384] and the `states` of each.
+
+        Four times faster than one by one, remembers nothing, and the last digits may differ.
+        """
+        vectors = np.zeros((len(sentences), WIDTH), np.float32)
+        told: list[Floats] = [np.zeros((0, 0), np.float32)] * len(sentences)
+        texts = [_plain(sentence) for sentence in sentences]
+        with self._lock, torch.inference_mode():
+            pieces = [self._load().encode(text) for text in texts]
+            order = sorted(range(len(texts)), key=lambda row: len(pieces[row].ids))
+            for first in range(0, len(order), BATCH):
+                rows = order[first : first + BATCH]
+                tokens, mask = bert.as_batch([pieces[row].ids for row in rows])
+                found = bert.states(self._tensors, tokens, mask)
+                vectors[rows] = bert.pool(found[-1], mask).numpy()
+                seen = _given_out(found)
+                for at, row in enumerate(rows):
+                    owners = _owners(texts[row], pieces[row].offsets)
+                    told[row] = (owners @ seen[at, : owners.shape[1]]).numpy()
+        return vectors, told
 
     def _read(self, text: str) -> Floats:
         with torch.inference_mode():
@@ -89,13 +133,37 @@ class Encoder:
         return vector
 
     def _pieces(self, text: str) -> tuple[Tensor, Tensor]:
-        """The word pieces of a text as a batch; loads the weights when first asked."""
+        """The word pieces of a text as a batch."""
+        return bert.as_batch([self._load().encode(text).ids])
+
+    def _load(self) -> Tokenizer:
+        """The tokenizer; it and the weights are loaded when first asked for."""
         if self._tokenizer is None:
             self._tokenizer = Tokenizer.from_file(str(weights.tokenizer_file()))
             self._tokenizer.no_padding()
             self._tokenizer.enable_truncation(MAX_PIECES)
             self._tensors = load_file(weights.weights_file())
-        return bert.as_batch([self._tokenizer.encode(text).ids])
+        return self._tokenizer
+
+
+def _plain(sentence: str) -> str:
+    return " ".join(sentence.lower().split())
+
+
+def _given_out(states: Sequence[Tensor]) -> Tensor:
+    """[B, T, 768] of what all layers make of word pieces."""
+    return torch.cat([states[layer] for layer in TOKEN_LAYERS], -1)
+
+
+def _owners(text: str, offsets: list[tuple[int, int]]) -> Tensor:
+    """[W, T] float32: of each word the shares of its pieces; a word cut off has none."""
+    words = [found.span() for found in WORD.finditer(text)]
+    shares = torch.zeros(len(words), len(offsets))
+    for column, (begin, end) in enumerate(offsets):
+        for row, (first, last) in enumerate(words):
+            if begin < end and begin >= first and end <= last:
+                shares[row, column] = 1.0
+    return shares / shares.sum(1, keepdim=True).clamp(min=1.0)
 
 
 class LanguageFamily:

@@ -34,8 +34,8 @@ class Scripted(Bench):
 
     script: Callable[[Any], Any] = list
 
-    def episodes(self, name, plan):
-        del name
+    def episodes(self, name, plan, make=None):
+        del name, make
         return self.script(plan)
 
 

@@ -6,7 +6,7 @@ from services.learner.experiments import horizon, language, transitions
 from services.learner.experiments.bench import slug
 from services.learner.experiments.registry import EXPERIMENTS, experiment_named
 from services.learner.experiments.scenes import setting_for
-from services.learner.pretrain.words import unheard_refusals
+from services.learner.pretrain.unheard import unheard_refusals
 from shared.errors import ConfigError
 from shared.rollout.settings import Replan
 from shared.workcell.skills import COMMANDS, parse

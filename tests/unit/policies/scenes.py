@@ -1,17 +1,21 @@
 """Made-up cells, observations and examples for the tests of policies."""
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
 import torch
 
-from shared.goals.family import Floats
-from shared.messages.goal import Goal
 from shared.messages.observation import Observation
 from shared.policies.examples import Examples
 from shared.policies.geometry import Geometry
+from shared.policies.likeness import FEATURES, Likeness
 from shared.policies.low_net import LowNet
+from shared.policies.phrase import words_of
 from shared.policies.reader import Reader
+from shared.policies.tagger import Tagger
+from shared.policies.teller import SMALL_WORDS, Linear, Teller
+from shared.workcell import skills
 
 COMMANDS = ("pick up the cheese", "put it on the plate", "wait")
 
@@ -37,27 +41,41 @@ def low_net(seed: int = 0) -> LowNet:
 
 
 class Letters:
-    """A family whose vectors count letters: near where texts are spelled alike."""
+    """Sentences whose vectors count letters: near where texts are spelled alike."""
 
-    name, width = "language", 26
-
-    def embed(self, goals: tuple[Goal, ...]) -> Floats:
-        counts = [[goal.text.count(chr(97 + row)) for row in range(26)] for goal in goals]
-        vectors = np.array(counts, np.float32)
+    def embed(self, sentences: Iterable[str]) -> np.ndarray:
+        counts = [[text.count(chr(97 + row)) for row in range(26)] for text in sentences]
+        vectors = np.array(counts, np.float32).reshape(-1, 26)
         vectors /= np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-6)
         return vectors
 
-    def describe(self, goal: Goal) -> str:
-        return goal.text
+    def states(self, sentence: str) -> np.ndarray:
+        return np.zeros((len(words_of(sentence)), 4), np.float32)
+
+    def is_word(self, text: str) -> bool:
+        return len(text) == 3
 
 
-def words(threshold: float = 0.9) -> Reader:
-    """A reader of four commands, the first about row 2, the second about the plate."""
-    commands = ("pick up the cheese", "put it on the plate", "put it down", "wait")
-    phrases, owners = (*commands, "grab the cheese"), np.array([0, 1, 2, 3, 0])
-    vectors = Letters().embed(tuple(Goal(text=text) for text in phrases))
-    verbs, things = np.array([0, 1, 4, 5]), np.array([2, 15, -1, -1])
-    return Reader(commands, verbs, things, phrases, owners, vectors, threshold, Letters())
+def words() -> Reader:
+    """A reader that knows the canonical commands and takes all else for courtesy."""
+    tagger = Tagger(torch.zeros(4), torch.ones(4), 2, 2)
+    for weight in tagger.parameters():
+        torch.nn.init.zeros_(weight)  # No part stands out, so the first, courtesy, is told.
+    verbs = np.array([0] * 15 + [1, 2, 3, 4, 5])
+    things = np.array([*range(15), 15, 16, 17, -1, -1])
+    acts, names, places = (teller(count) for count in (7, 15, 4))
+    return Reader(skills.COMMANDS, verbs, things, tagger.eval(), acts, names, places, Letters())
+
+
+def teller(classes: int) -> Teller:
+    """One known text for each class and one for none of them, which it always leans to."""
+    texts = [COMMANDS[row % 3] for row in range(classes + 1)]
+    linear = np.zeros((classes + 1, 26 + len(SMALL_WORDS)), np.float32)
+    bias = np.eye(classes + 1, dtype=np.float32)[-1] * 9
+    weights = np.zeros((2, FEATURES + 1), np.float32)
+    weights[1, -1] = 9.0
+    known = Likeness(texts, np.arange(classes + 1), Letters().embed(texts), weights)
+    return Teller(Linear(linear, bias), known)
 
 
 def senses(seed: int = 0) -> tuple[np.ndarray, np.ndarray]:

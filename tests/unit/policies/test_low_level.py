@@ -78,7 +78,7 @@ def test_the_hash_is_that_of_the_tensors_and_survives_the_disk(tmp_path: Path) -
     assert np.array_equal(again.act(*senses(), WAIT), low_level.act(*senses(), WAIT))
 
 
-CHEESE = LanguageGoal(text="grab the cheese")
+CHEESE = LanguageGoal(text="pick up the cheese")
 ABSENT_CHEESE = senses()[1].copy()
 ABSENT_CHEESE[2] = 0.0
 
@@ -86,10 +86,10 @@ ABSENT_CHEESE[2] = 0.0
 @pytest.mark.parametrize(
     ("text", "objects", "objection"),
     [
-        ("grab the cheese", senses()[1], ""),
+        ("pick up the cheese", senses()[1], ""),
         ("put it down", senses()[1], ""),
         ("zzz qqq", senses()[1], "doesn't understand 'zzz qqq'; nearest it knows: 'p"),
-        ("grab the cheese", ABSENT_CHEESE, "'pick up the cheese' can't be done here"),
+        ("pick up the cheese", ABSENT_CHEESE, "'pick up the cheese' can't be done here"),
     ],
 )
 def test_what_it_cannot_do_it_objects_to_naming_what_it_can(

@@ -1,63 +1,73 @@
-"""What the reader is taught, and what is kept to measure it."""
+"""Phrases that are drawn: each word has its part, and what is kept is never taught."""
 
 import numpy as np
 
-from services.learner.pretrain.low_fit import known_words
-from services.learner.pretrain.words import (
-    known_phrases,
-    refused_phrases,
-    split,
-    unheard_phrases,
-    unheard_refusals,
-)
-from shared.workcell.objects import BODY_NAMES, KITCHEN, TABLE
-from shared.workcell.skills import COMMANDS
+from services.learner.pretrain.lexicon import exam
+from services.learner.pretrain.reader_fit import drawn
+from services.learner.pretrain.unheard import unheard_phrases, unheard_refusals
+from services.learner.pretrain.words import Speaker
+from shared.policies.phrase import CONTRAST, FILLER, PLACE, THING, take_apart, words_of
+from shared.workcell.skills import COMMANDS, PUT_IN_BIN
 
-THERE = np.array([name in KITCHEN or name in TABLE for name in BODY_NAMES])
+KNOWN = exam()[0]
 
 
-def test_what_is_kept_for_tests_is_never_taught() -> None:
-    taught = {text for row in known_phrases() for text in row}
-    for row in unheard_phrases():
-        assert len(row) >= 5
-        assert not taught & {unheard.phrase for unheard in row}
-    assert not set(refused_phrases()) & set(unheard_refusals())
+def speaker(seed: int = 0) -> tuple[Speaker, np.random.Generator]:
+    rng = np.random.default_rng(seed)
+    return Speaker(KNOWN, KNOWN, KNOWN, rng), rng
 
 
-def test_no_word_is_on_both_sides() -> None:
-    known, kept = split()
-    for name, nouns in kept.things.items():
-        assert len(nouns) == 4
-        assert not set(nouns) & set(known.things[name])
-    for verb, frames in kept.frames.items():
-        assert len(frames) >= 5
-        assert not set(frames) & set(known.frames[verb])
+def test_every_word_of_a_phrase_plays_one_part_and_equal_seeds_draw_alike() -> None:
+    drawer, rng = speaker()
+    said = drawn(drawer, 600, rng)
+    assert all(len(words_of(one.text)) == len(one.parts) for one in said)
+    assert {part for one in said for part in one.parts} == set(range(5))
+    assert {one.meant for one in said} == {"", *COMMANDS}
+    first, again = speaker(5), speaker(5)
+    assert drawn(first[0], 20, first[1]) == drawn(again[0], 20, again[1])
 
 
-def test_canonical_commands_are_read_as_they_are_and_what_has_one_word_means_one_thing() -> None:
-    said = known_phrases()
-    assert [row[0] for row in said] == list(COMMANDS)
-    texts = [text for row in said for text in row]
-    assert len(texts) == len(set(texts))
+def test_a_put_that_names_what_is_held_has_a_thing_and_a_place() -> None:
+    said = speaker()[0].put("bin", "can")
+    assert said.meant == PUT_IN_BIN
+    apart = take_apart(words_of(said.text), said.parts)
+    assert len(apart.things) == len(apart.places) == 1
+    assert {THING, PLACE} <= set(said.parts)
 
 
-def test_a_reader_of_few_phrases_reads_and_refuses() -> None:
-    reader = known_words(most=12)
-    for row, command in enumerate(COMMANDS):
-        assert reader.read(command.upper(), THERE).command == row
-    cheese, down = COMMANDS.index("pick up the cheese"), COMMANDS.index("put it down")
-    assert reader.read("no, grab the cheese please", THERE).command == cheese
-    assert reader.read("please put it down", THERE).command == down
-    strange = reader.read("do a backflip", THERE)
-    assert strange.command is None
-    nearest = reader.nearest(strange.scores, THERE)
-    assert len(nearest) == 3
-    assert all(text in COMMANDS for text, _ in nearest)
+def test_the_thing_that_is_not_meant_is_told_apart() -> None:
+    drawer, _ = speaker()
+    for _ in range(30):
+        said = drawer.contrasted("cup", "bowl")
+        assert CONTRAST in said.parts
+        assert len(take_apart(words_of(said.text), said.parts).things) == 1
+        assert said.meant == "pick up the cup"
 
 
-def test_what_is_in_the_scene_narrows_the_reading() -> None:
-    reader = known_words(most=12)
-    kitchen = np.array([name in KITCHEN for name in BODY_NAMES])
-    for phrase in ("grab the mug", "take the napkin"):
-        row = reader.read(phrase, kitchen).command
-        assert row is None or reader.possible(kitchen)[row]
+def test_courtesy_is_only_added() -> None:
+    drawer, _ = speaker()
+    plain = drawer.wait()
+    dressed = drawer.dressed(plain)
+    assert plain.text in dressed.text
+    assert FILLER in dressed.parts
+    assert dressed.meant == plain.meant
+
+
+def test_a_slip_keeps_the_number_of_words() -> None:
+    drawer, _ = speaker()
+    for _ in range(50):
+        said = drawer.pick("lettuce")
+        slipped = drawer.misspelt(said)
+        assert len(words_of(slipped.text)) == len(said.parts)
+
+
+def test_phrases_of_the_exam_are_new_and_as_many_for_every_command() -> None:
+    told = unheard_phrases()
+    assert [len({one.phrase for one in row}) for row in told] == [len(row) for row in told]
+    assert min(map(len, told)) >= 10
+    assert {one.new for one in told[0]} == {"verb", "noun", "both"}
+    assert told == unheard_phrases()
+    drawer, rng = speaker()
+    taught = {one.text for one in drawn(drawer, 2_000, rng)}
+    assert not taught & {one.phrase for row in told for one in row}
+    assert len(unheard_refusals()) >= 50

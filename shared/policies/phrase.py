@@ -1,0 +1,69 @@
+"""The words of a phrase, the parts that they play, and what is left when they are taken apart."""
+
+from collections.abc import Sequence
+from itertools import groupby
+from typing import NamedTuple
+
+from shared.goals.language.encoder import WORD
+
+FILLER, ACT, THING, PLACE, CONTRAST = PARTS = range(5)
+"""Courtesy, protest and where a thing lies; what to do; what with; where to; a thing not meant."""
+
+_STANDS_FOR = {THING: "the object", PLACE: "to that place"}
+_JOINING = frozenset(("and", "or", "plus"))
+_POINTING = frozenset(("it", "that", "this", "the", "them", "one"))
+_DETERMINERS = frozenset(
+    ("the", "a", "an", "that", "this", "these", "those", "my", "your", "some", "one", "of")
+)
+
+
+class Parts(NamedTuple):
+    """A phrase taken apart.
+
+    frame: what to do, with "the object" for each thing and "to that place" for each place.
+    things: without their determiners. places: as they were said.
+    """
+
+    frame: str
+    things: tuple[str, ...]
+    places: tuple[str, ...]
+
+
+def plain(text: str) -> str:
+    """In lower case, single spaces, straight apostrophes."""
+    return " ".join(text.lower().replace("’", "'").split())
+
+
+def words_of(text: str) -> list[str]:
+    """The words of a plain text, without punctuation."""
+    return WORD.findall(plain(text))
+
+
+def take_apart(words: Sequence[str], parts: Sequence[int]) -> Parts:
+    """What the words say, each playing its part."""
+    frame: list[str] = []
+    found: dict[int, list[str]] = {THING: [], PLACE: []}
+    for part, run in groupby(zip(words, parts, strict=True), key=lambda pair: pair[1]):
+        said = [word for word, _ in run]
+        if part == ACT or (part == THING and _POINTING.issuperset(said)):
+            frame += said
+        elif part == THING:
+            for thing in _listed(said):
+                frame.append(_STANDS_FOR[part])
+                found[part].append(" ".join(_bare(thing)))
+        elif part == PLACE:
+            frame.append(_STANDS_FOR[part])
+            found[part].append(" ".join(said))
+    return Parts(" ".join(frame), tuple(found[THING]), tuple(found[PLACE]))
+
+
+def _listed(nouns: list[str]) -> list[list[str]]:
+    """Things that were told as one, each by itself."""
+    runs = groupby(nouns, key=lambda word: word in _JOINING)
+    return [list(run) for joins, run in runs if not joins]
+
+
+def _bare(noun: list[str]) -> list[str]:
+    while len(noun) > 1 and noun[0] in _DETERMINERS:
+        noun = noun[1:]
+    return noun
