@@ -26,6 +26,7 @@ from services.learner.pretrain.low_fit import (
     Lot,
     answers_of,
     chunk_loss,
+    lot_at,
     orders,
     worth_learning,
 )
@@ -34,7 +35,6 @@ from services.learner.pretrain.practice import Steps
 from shared.goals.language.bank import PhraseBank
 from shared.policies.fit import FitSettings, Fitter, Mean
 from shared.policies.geometry import Geometry
-from shared.policies.low_net import Orders
 from shared.policies.precision import autocast, pixel_type
 from shared.policies.sources import joined
 
@@ -72,14 +72,7 @@ class LookRows:
         weights *= (end > first)[:, None]
         felt, things = self._steps.proprioception[moments], self._steps.objects[moments]
         view = self._geometry(*map(torch.from_numpy, (felt, things, arms)))
-        commands = torch.from_numpy(self._steps.commands[moments].astype(np.int64))
-        return Lot(
-            view,
-            Orders(*(part[commands] for part in self._orders)),
-            torch.from_numpy(answers),
-            torch.from_numpy(weights),
-            torch.from_numpy(self._steps.done[moments].astype(np.float32)),
-        )
+        return lot_at(self._steps, moments, view, self._orders, (answers, weights))
 
 
 class ArmFit:
@@ -132,7 +125,7 @@ class ArmFit:
         rng = np.random.default_rng([settings.seed, step + 1])
         drawn = self._ready.source.choose(rng)
         batch, status, positions, meanings = self._ready.at(drawn)
-        lot = self._rows.draw(drawn, rng)
+        rows = self._rows.draw(drawn, rng)
         extra, extra_meanings = self._more.draw(PROMPTS, rng)
         question = batch.varied(settings, rng, pixel_type(settings.half))
         with autocast(settings.half):
@@ -141,16 +134,16 @@ class ArmFit:
             minds, thought = pair.trunk.ponder(slots, wishes[: len(slots)], question)
             answer = pair.trunk.answer(thought)
             advice = pair.advise(minds, thought, answer.meaning)
-            motion = pair.move(lot.view, lot.orders, advice and advice.at(self._owner))
-        moved = chunk_loss(motion.changes.float(), lot.view.now, lot.answers, lot.weights)
-        loss = moved + self._wordy(answer.meaning, batch.labels, motion.done, lot)
+            motion = pair.move(rows.view, rows.orders, advice and advice.at(self._owner))
+        moved = chunk_loss(motion.changes.float(), rows.view.now, rows.answers, rows.weights)
+        loss = moved + self._wordy(answer.meaning, batch.labels, motion.done, rows)
         loss = loss + SIGHT_WEIGHT * self._sight.loss(slots.float(), status, positions)[0]
         both = Meanings(*map(torch.cat, zip(meanings, extra_meanings, strict=True)))
         loss = loss + MEANING_WEIGHT * self._reader.loss(wishes, both)[0]
         self._fitter.update(loss, step)
         self._moved.add(moved.item())
 
-    def _wordy(self, meaning: Tensor, labels: Tensor, done: Tensor, lot: Lot) -> Tensor:
+    def _wordy(self, meaning: Tensor, labels: Tensor, done: Tensor, rows: Lot) -> Tensor:
         """What only goals in words have: which one is right, and when it is achieved."""
         if not self.pair.worded:
             return torch.zeros(())
@@ -158,6 +151,6 @@ class ArmFit:
         goal = F.cross_entropy(logits, labels)
         self._goal.add(goal.item())
         self._right.add((logits.argmax(-1) == labels).float().mean().item())
-        told = F.binary_cross_entropy_with_logits(done.float(), lot.done, reduction="none")
-        known = lot.weights[:, 0]
+        told = F.binary_cross_entropy_with_logits(done.float(), rows.done, reduction="none")
+        known = rows.weights[:, 0]
         return goal + DONE_WEIGHT * (told * known).sum() / known.sum().clamp(min=1)

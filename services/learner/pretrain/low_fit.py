@@ -76,14 +76,7 @@ class Rows:
             self._near[index].float(),
             torch.from_numpy(now),
         )
-        commands = torch.from_numpy(self._steps.commands[moments].astype(np.int64))
-        return Lot(
-            view,
-            Orders(*(part[commands] for part in self._orders)),
-            torch.from_numpy(answers),
-            torch.from_numpy(weights),
-            torch.from_numpy(self._steps.done[moments].astype(np.float32)),
-        )
+        return lot_at(self._steps, moments, view, self._orders, (answers, weights))
 
 
 class Lot(NamedTuple):
@@ -95,6 +88,27 @@ class Lot(NamedTuple):
     answers: Tensor
     weights: Tensor
     done: Tensor
+
+
+def lot_at(
+    steps: Steps,
+    moments: NDArray[np.int64],
+    view: View,
+    known: Orders,
+    answers: tuple[NDArray[np.float32], NDArray[np.float32]],
+) -> Lot:
+    """A batch of rows at these moments [R].
+
+    known: the orders of all commands. answers: targets [R, S, 7] and weights [R, S].
+    """
+    commands = torch.from_numpy(steps.commands[moments].astype(np.int64))
+    return Lot(
+        view,
+        Orders(*(part[commands] for part in known)),
+        torch.from_numpy(answers[0]),
+        torch.from_numpy(answers[1]),
+        torch.from_numpy(steps.done[moments].astype(np.float32)),
+    )
 
 
 def _packed(view: View) -> tuple[Tensor, Tensor, Tensor, Tensor]:
