@@ -1,5 +1,6 @@
 """Says what the robot shall do while the low level practises: tasks, random chains, mistakes."""
 
+from collections.abc import Callable, Collection
 from typing import Protocol
 
 import numpy as np
@@ -7,7 +8,7 @@ import numpy as np
 from shared.workcell import skills
 from shared.workcell.objects import BODY_NAMES, KITCHEN, OBJECT_NAMES, TABLE, Stock
 from shared.workcell.skills import SKILLS, Skill
-from shared.workcell.state import CellState
+from shared.workcell.state import CellState, in_bin, in_tub, stack_on_plate
 from shared.workcell.tasks import TASKS
 from shared.workcell.tasks.task import Brief, Task
 
@@ -15,6 +16,8 @@ PATIENCE_DECISIONS = 7
 WRONG_DECISIONS = 6
 """A wrong stretch is as long as this at most: longer than the history that a high level is shown,
 so that it also learns to leave what it said four times over."""
+ELSEWHERE = 0.15
+"""Chance of a skill of a filling chain to be any."""
 
 
 class Commander(Protocol):
@@ -63,7 +66,11 @@ class TaskCommander:
 
 
 class ChainCommander:
-    """Random skills one after another: every skill from every state that skills lead to."""
+    """Random skills one after another: every skill from every state that skills lead to.
+
+    An episode may also fill one place with all that there is, since a put into a full bin is rare
+    otherwise, and lists of many things end with one.
+    """
 
     def __init__(self, rng: np.random.Generator) -> None:
         self._rng = rng
@@ -89,7 +96,7 @@ class ChainCommander:
     def draw(self, state: CellState) -> Skill:
         """A random skill, mostly one that makes sense in this state."""
         chances = _HOLDING if state.holding else _EMPTY
-        possible = [skill for skill in SKILLS if state.present[_needs(skill)].all()]
+        possible = [skill for skill in SKILLS if skills.is_there(skill, state)]
         weights = np.array([chances[skill.verb] for skill in possible])
         picks = np.array([skill.verb == "pick" for skill in possible])
         weights[picks] /= max(1, picks.sum())
@@ -97,21 +104,54 @@ class ChainCommander:
         return possible[int(row)]
 
 
+class FillCommander(ChainCommander):
+    """A chain that brings one thing after another to the same place, most of the time."""
+
+    def __init__(self, rng: np.random.Generator, stock: Stock) -> None:
+        super().__init__(rng)
+        self._place = str(rng.choice([place for place in _FILLED if place in stock]))
+
+    def draw(self, state: CellState) -> Skill:
+        """Pick up what isn't there yet, and put it there; now and then anything."""
+        there = _FILLED[self._place](state)
+        fits = [
+            skill
+            for skill in SKILLS
+            if skills.is_there(skill, state)
+            and (skill.verb == self._place if state.holding else _is_left(skill, there))
+        ]
+        if not fits or self._rng.random() < ELSEWHERE:
+            return super().draw(state)
+        return fits[int(self._rng.integers(len(fits)))]
+
+
+_FILLED: dict[str, Callable[[CellState], Collection[int]]] = {
+    "plate": stack_on_plate,
+    "bin": in_bin,
+    "tub": in_tub,
+}
+
+
+def _is_left(skill: Skill, there: Collection[int]) -> bool:
+    """Whether it picks up something that isn't there."""
+    return skill.object is not None and BODY_NAMES.index(skill.object) not in there
+
+
 _HOLDING = {"plate": 0.30, "tub": 0.33, "bin": 0.33, "down": 0.26, "wait": 0.03, "pick": 0.10}
 _EMPTY = {"plate": 0.01, "tub": 0.01, "bin": 0.01, "down": 0.01, "wait": 0.04, "pick": 0.92}
 
 
-def _needs(skill: Skill) -> list[int]:
-    """Rows of what the skill can't do without."""
-    name = skill.object or skill.verb
-    return [BODY_NAMES.index(name)] if name in BODY_NAMES else []
-
-
 def draw_commander(
-    rng: np.random.Generator, chains: float, mistakes: float
+    rng: np.random.Generator, chains: float, mistakes: float, filling: float
 ) -> tuple[Commander, Stock]:
-    """A random chain with chance `chains`, else a random task; and what is on the table."""
+    """A random chain with chance `chains`, else a random task; and what is on the table.
+
+    filling: share of the chains that fill one place.
+    """
     if rng.random() < chains:
+        if filling and rng.random() < filling:
+            stock = (KITCHEN, TABLE)[int(rng.integers(2))]
+            return FillCommander(rng, stock), stock
         return ChainCommander(rng), draw_stock(rng)
     task = list(TASKS.values())[int(rng.integers(len(TASKS)))]
     brief = task.sample(rng)

@@ -79,13 +79,13 @@ def join(parts: Iterable[Steps]) -> Steps:
     return Steps(**arrays, runs=np.concatenate(shifted).astype(np.int32))
 
 
-def practise(seed: int, steps: int, folder: Path | None) -> Steps:
+def practise(seed: int, steps: int, folder: Path | None, filling: float = 0.0) -> Steps:
     """`steps` taught steps in episodes of their own; the last one is broken off.
 
     folder: checkpoint of the low level that drives between the expert's turns; None: the expert
-    drives always.
+    drives always. filling: share of the chains that fill one place.
     """
-    session = _Session(seed, LowLevel.load(folder) if folder else None)
+    session = _Session(seed, LowLevel.load(folder) if folder else None, filling)
     while len(session.runs) < steps:
         session.episode(steps)
     return session.result()
@@ -94,8 +94,8 @@ def practise(seed: int, steps: int, folder: Path | None) -> Steps:
 class _Session:
     """The work of one process."""
 
-    def __init__(self, seed: int, learner: LowLevel | None) -> None:
-        self._rng = np.random.default_rng(seed)
+    def __init__(self, seed: int, learner: LowLevel | None, filling: float) -> None:
+        self._rng, self._filling = np.random.default_rng(seed), filling
         self._cell = Cell(PRACTICE_SITE)
         self._learner = learner
         self._seen: list[NDArray[np.float32]] = []
@@ -109,7 +109,7 @@ class _Session:
     def episode(self, most: int) -> None:
         """One scene, worked on until its task is done, time is over or `most` steps are kept."""
         rng = self._rng
-        commander, stock = draw_commander(rng, chains=CHAINS, mistakes=0.05)
+        commander, stock = draw_commander(rng, chains=CHAINS, mistakes=0.05, filling=self._filling)
         self._cell.reset(rng, stock)
         if rng.random() < PLATE_MOVES:
             shift_plate(self._cell, self._cell.state(), rng)

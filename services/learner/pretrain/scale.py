@@ -13,11 +13,13 @@ class LowRound(Settings):
     """One turn of DAgger on the low level.
 
     practice: steps that the expert shows. updates: of the fit on all practice so far.
+    filling: share of the chains of skills that fill one place.
     """
 
     practice: Count
     updates: Count
     lr: float = 1.5e-3
+    filling: float = 0.0
 
 
 class HighRound(Settings):
@@ -64,7 +66,10 @@ class Scale(Settings):
 
 SCALES = {
     "small": Scale(
-        low=(LowRound(practice=6_000, updates=120), LowRound(practice=2_000, updates=60)),
+        low=(
+            LowRound(practice=6_000, updates=120),
+            LowRound(practice=2_000, updates=60, filling=0.5),
+        ),
         phrases=400,
         expert_episodes=8,
         learned_episodes=2,
@@ -82,6 +87,7 @@ SCALES = {
             LowRound(practice=240_000, updates=4_000, lr=2e-3),
             LowRound(practice=200_000, updates=5_000, lr=2e-3),
             LowRound(practice=200_000, updates=6_000, lr=1.8e-3),
+            LowRound(practice=240_000, updates=8_000, lr=1.8e-3, filling=0.6),
         ),
         expert_episodes=1_200,
         learned_episodes=1_000,

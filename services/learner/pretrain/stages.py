@@ -24,7 +24,7 @@ from services.learner.pretrain.low_fit import LowFitSettings, fit_low, measures
 from services.learner.pretrain.practice import Steps, practise
 from services.learner.pretrain.reader_fit import ReaderFitSettings, fit_reader
 from services.learner.pretrain.replay import choose
-from services.learner.pretrain.scale import Scale
+from services.learner.pretrain.scale import LowRound, Scale
 from shared.goals.language.bank import PhraseBank
 from shared.policies import checkpoint, examples
 from shared.policies.fit import FitSettings
@@ -70,16 +70,17 @@ class Pretraining:
         parts: list[Steps] = []
         folder: Path | None = None
         for number, round_ in enumerate(self.scale.low):
-            parts.append(self._practice(number, round_.practice, folder))
+            parts.append(self._practice(number, round_, folder))
             folder = self._fit_low(number, parts, folder)
         assert folder is not None  # A scale has at least one round.
         return folder
 
-    def _practice(self, number: int, steps: int, folder: Path | None) -> Steps:
+    def _practice(self, number: int, round_: LowRound, folder: Path | None) -> Steps:
         file = self.out / f"practice-{number}.safetensors"
         if not file.exists():
             seeds = [self.seed * 1_000_000 + number * 1_000 + part for part in range(PARTS)]
-            jobs = [(seed, steps // PARTS, folder) for seed in seeds]
+            steps = round_.practice // PARTS
+            jobs = [(seed, steps, folder, round_.filling) for seed in seeds]
             done = self.share(f"practice {number}", practise, jobs)
             _write(file, practice.join(done).save)
         return Steps.load(file)
