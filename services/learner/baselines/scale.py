@@ -57,8 +57,8 @@ SMALL = BaselineSettings(
 )
 FULL = BaselineSettings(
     data=DataSettings(episodes=600, parts=30, prompts=6000),
-    fit=FitSettings(steps=6000, batch=64),
+    fit=FitSettings(steps=4000, batch=64),
     slice=1000,
     seeds=3,
-    lengths=(2, 4, 6, 8, 10, 12),
+    lengths=(2, 4, 6, 8),
 )

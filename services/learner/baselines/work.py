@@ -63,10 +63,14 @@ class Plan(Settings):
         return _short(told)
 
     def slices(self) -> Iterator[list["Slice"]]:
-        """Slices of all fits, one round after another; those of a round wait for no other."""
+        """Slices of all fits, one round after another; those of a round wait for no other.
+
+        One training seed is done before the next one begins, so that there is something to look at.
+        """
         steps, each = self.settings.fit.steps, self.settings.slice
-        for until in (*range(each, steps, each), steps):
-            yield [Slice(arm, seed, until) for seed in range(self.settings.seeds) for arm in ARMS]
+        for seed in range(self.settings.seeds):
+            for until in (*range(each, steps, each), steps):
+                yield [Slice(arm, seed, until) for arm in ARMS]
 
 
 def _short(settings: Settings) -> str:

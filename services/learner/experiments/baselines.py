@@ -39,6 +39,7 @@ def _demonstrated(bench: Bench, plan: Plan) -> None:
 def _trained(bench: Bench, plan: Plan) -> list[Trained]:
     """All slices of all fits."""
     rounds = list(plan.slices())
+    ends = [job for jobs in rounds for job in jobs if job.until == plan.settings.fit.steps]
     rows = Rows(bench.file(f"fits-{plan.note()}"), Trained, plan.note())
     found: list[Trained] = []
     tell = bench.reporter("training", sum(map(len, rounds)))
@@ -46,7 +47,7 @@ def _trained(bench: Bench, plan: Plan) -> list[Trained]:
         for row in measure(bench.pool, Trainer, plan, slices, lambda row: row.slice, rows):
             found.append(row)
             tell()
-    for last in rounds[-1]:  # Only now: a row that is not kept yet needs its fit once more.
+    for last in ends:  # Only now: a row that is not kept yet needs its fit once more.
         plan.kept(last.arm, last.seed).unlink(missing_ok=True)
     return found
 
