@@ -1,5 +1,7 @@
 """The cell as physics: reset, step, the true state, pictures. Knows no task and no reward."""
 
+import logging
+
 import numpy as np
 
 from shared.workcell import layout
@@ -31,18 +33,34 @@ from shared.workcell.scene import SUBSTEPS, scene_xml
 from shared.workcell.site import Site, load_site
 from shared.workcell.state import CellState, near_plate
 
+_log = logging.getLogger(__name__)
+
 CONTROL_HZ = 50
 SETTLE_STEPS = 12
 ACTION_LOW = np.array([*JOINT_LOW, GRIP_CLOSED_M] * 2)
 ACTION_HIGH = np.array([*JOINT_HIGH, GRIP_OPEN_M] * 2)
+_DIVERGED = (
+    mujoco.mjtWarning.mjWARN_BADQPOS,
+    mujoco.mjtWarning.mjWARN_BADQVEL,
+    mujoco.mjtWarning.mjWARN_BADQACC,
+)
 for _bounds in (ACTION_LOW, ACTION_HIGH):
     _bounds.setflags(write=False)
+
+
+def _hear(text: str) -> None:
+    """MuJoCo's warnings go where others go, instead of into a file beside the caller."""
+    _log.debug("mujoco: %s", text)
+
+
+mujoco.set_mju_user_warning(_hear)
 
 
 class Cell:
     """Two arms and a table with the things of a stock; 14 joint targets a step at 50 Hz.
 
     Equal seeds and actions give equal states to the bit, in one process and across processes.
+    diverged: how often the physics gave numbers that can't be, which is taken back.
     """
 
     def __init__(self, site: Site | str = "lab") -> None:
@@ -53,6 +71,7 @@ class Cell:
         self._rng = np.random.default_rng(0)
         self._slipping = [0, 0]
         self._eyes: dict[tuple[int, int, str], Eye] = {}
+        self.diverged = 0
         self.reset(self._rng)
 
     def _index(self) -> None:
@@ -174,8 +193,21 @@ class Cell:
     def _advance(self, targets: np.ndarray, steps: int) -> None:
         self._data.ctrl[:] = targets
         self._data.ctrl[[6, 13]] = targets[[6, 13]] / 2  # the gap is twice a finger's way
+        before = self._data.qpos.copy(), self._data.mocap_pos.copy()
         mujoco.mj_step(self._model, self._data, steps * SUBSTEPS)
+        if any(self._data.warning[kind].number for kind in _DIVERGED):
+            self._take_back(*before)
         mujoco.mj_kinematics(self._model, self._data)
+
+    def _take_back(self, positions: np.ndarray, fixtures: np.ndarray) -> None:
+        """Undo a step that diverged: all is where it was, at rest.
+
+        MuJoCo by itself goes back to the pose of its model, in the midst of an episode.
+        """
+        mujoco.mj_resetData(self._model, self._data)
+        self._data.qpos[:], self._data.mocap_pos[:] = positions, fixtures
+        self.diverged += 1
+        _log.warning("the physics diverged: all is held where it was a step ago")
 
     def _slip(self, targets: np.ndarray) -> None:
         """Now and then open a hand that holds something, for `slip_steps` steps."""

@@ -7,6 +7,7 @@ import numpy as np
 from services.learner.experiments.bench import Bench
 from services.learner.experiments.findings import Findings, Panel, Plot, Table, cell, curve
 from services.learner.experiments.scenes import setting_for
+from services.learner.pretrain.everyday import has_new_word, writings
 from services.learner.pretrain.unheard import unheard_phrases, unheard_refusals
 from shared.evaluation.phrase import Said, Trial
 from shared.evaluation.scene import Setting
@@ -19,18 +20,18 @@ MOST_LEAD = 5
 
 def run(bench: Bench) -> Findings:
     """Phrases that were never trained on, commands against the obvious, what can't be done."""
+    everyday = _Everyday(bench)
     reworded = bench.phrases("reworded", _reworded(bench))
     contrary = bench.phrases("contrary", _contrary(bench))
-    outlandish = bench.phrases("outlandish", _outlandish(bench))
+    outlandish = bench.phrases("outlandish", _impossible(bench, unheard_refusals()))
     kinds = [kind for _, _, kind in _sentences(bench)]
     by_new = {
         new: _figures([one for one, kind in zip(reworded, kinds, strict=True) if kind == new])
         for new in ("verb", "noun", "both")
     }
-    by_command = {
-        text: _figures([one for one in reworded if one.expected == text]) for text in COMMANDS
-    }
+    by_command = _by_expected(reworded)
     figures = {
+        "everyday": everyday.figures(),
         "reworded": {**_figures(reworded), "new": by_new, "commands": by_command},
         "contrary": {
             **_figures(contrary),
@@ -41,25 +42,79 @@ def run(bench: Bench) -> Findings:
     return Findings(
         title="Language: what is said is done",
         method=(
+            "Everyday: phrases for each command by several writers who had not seen what was "
+            "taught, with other verbs and nouns, in other orders, with courtesy and protest; each "
+            f"is said in one scene; success is that it was achieved within {ATTEMPT_STEPS} steps, "
+            "or refused where no robot here can obey.",
             "Reworded: a sentence for a command, with a verb or a noun or both that the low level "
             "was never taught, half of them with a word of courtesy or protest, is said once a "
-            f"scene; success is that the command was achieved within {ATTEMPT_STEPS} steps.",
+            "scene; success is the same. The words are rare: the common ones are taught.",
             "Contrary: in the midst of a task, when the next step is obvious, a command is said "
             "that contradicts it; success is that the command was achieved, and not the obvious.",
             "Outlandish: sentences that no robot here can obey, with words never taught; success "
             "is that they are refused.",
         ),
         figures=figures,
-        tables=(_table(figures), _by_command(by_command)),
+        tables=(
+            _table(figures),
+            _by_command("Everyday", figures["everyday"]["commands"]),
+            _by_command("Reworded", by_command),
+        ),
         plots=(
             Plot(
                 name="language",
-                title="Reworded commands",
+                title="Commands in other words",
                 x_label="",
-                panels=(Panel(title="reworded", curves=(curve("achieved", by_command),)),),
+                panels=(
+                    Panel(
+                        title="achieved",
+                        curves=(
+                            curve("everyday", figures["everyday"]["commands"]),
+                            curve("reworded", by_command),
+                        ),
+                    ),
+                ),
             ),
         ),
     )
+
+
+class _Everyday:
+    """Phrases of all writings, each in a scene of its own; of a command at most as many as there
+    are scenes."""
+
+    def __init__(self, bench: Bench) -> None:
+        writers: dict[Trial, str] = {}
+        for writing in writings():
+            for command, phrases in writing.said.items():
+                for number, phrase in enumerate(phrases[: bench.n]):
+                    setting = setting_for(parse(command), bench, number)
+                    trial = Trial(setting=setting, phrase=phrase, expected=command)
+                    writers.setdefault(trial, writing.name)
+        refused = [text for writing in writings() for text in writing.refused[: bench.n]]
+        self._writers = list(writers.values())
+        self._said = bench.phrases("everyday", list(writers))
+        self._refused = bench.phrases("everyday-refused", _impossible(bench, refused))
+
+    def figures(self) -> dict[str, Any]:
+        """All, by writing, by command, of phrases with a new word; and of what is to be refused."""
+        by_writing = {
+            name: _figures(
+                [one for one, its in zip(self._said, self._writers, strict=True) if its == name]
+            )
+            for name in dict.fromkeys(self._writers)
+        }
+        return {
+            **_figures(self._said),
+            "writings": by_writing,
+            "new_word": _figures([one for one in self._said if has_new_word(one.phrase)]),
+            "commands": _by_expected(self._said),
+            "impossible": rate([bool(one.refused) for one in self._refused]),
+        }
+
+
+def _by_expected(said: list[Said]) -> dict[str, dict[str, Any]]:
+    return {text: _figures([one for one in said if one.expected == text]) for text in COMMANDS}
 
 
 def _sentences(bench: Bench) -> list[tuple[str, str, str]]:
@@ -87,12 +142,10 @@ def _contrary(bench: Bench) -> list[Trial]:
     return trials
 
 
-def _outlandish(bench: Bench) -> list[Trial]:
+def _impossible(bench: Bench, phrases: list[str]) -> list[Trial]:
     task = bench.tasks()[0]
-    return [
-        Trial(setting=Setting(seed=bench.seed(0), task=task), phrase=phrase, steps=1)
-        for phrase in unheard_refusals()
-    ]
+    setting = Setting(seed=bench.seed(0), task=task)
+    return [Trial(setting=setting, phrase=phrase, steps=1) for phrase in phrases]
 
 
 def _figures(said: list[Said]) -> dict[str, Any]:
@@ -107,7 +160,17 @@ def _figures(said: list[Said]) -> dict[str, Any]:
 
 def _table(figures: dict[str, Any]) -> Table:
     contrary, outlandish = figures["contrary"], figures["outlandish"]
+    everyday = figures["everyday"]
     rows = (
+        ("everyday, achieved", *_rate(everyday)),
+        *(
+            (f"everyday, writing {name}, achieved", *_rate(found))
+            for name, found in everyday["writings"].items()
+        ),
+        ("everyday, with a word never taught, achieved", *_rate(everyday["new_word"])),
+        ("everyday, read rightly", *_rate(everyday["understood"])),
+        ("everyday, refused", *_rate(everyday["refused"])),
+        ("everyday, impossible, refused", *_rate(everyday["impossible"])),
         ("reworded, achieved", cell(figures["reworded"]), str(figures["reworded"]["n"])),
         *(
             (f"reworded, new {new}, achieved", cell(found), str(found["n"]))
@@ -126,10 +189,10 @@ def _rate(found: dict[str, Any]) -> tuple[str, str]:
     return cell(found), str(found["n"])
 
 
-def _by_command(by_command: dict[str, Any]) -> Table:
+def _by_command(name: str, by_command: dict[str, Any]) -> Table:
     rows = tuple(
         (text, cell(found), cell(found["understood"]), str(found["n"]))
         for text, found in by_command.items()
     )
     columns = ("command", "achieved (95 %)", "nearest of all (95 %)", "n")
-    return Table(title="Reworded, by command", columns=columns, rows=rows)
+    return Table(title=f"{name}, by command", columns=columns, rows=rows)

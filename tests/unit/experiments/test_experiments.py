@@ -6,6 +6,7 @@ from services.learner.experiments import horizon, language, transitions
 from services.learner.experiments.bench import slug
 from services.learner.experiments.registry import EXPERIMENTS, experiment_named
 from services.learner.experiments.scenes import setting_for
+from services.learner.pretrain.everyday import writings
 from services.learner.pretrain.unheard import unheard_refusals
 from shared.errors import ConfigError
 from shared.rollout.settings import Replan
@@ -74,8 +75,12 @@ def test_language_is_measured_with_real_phrases_and_not_done_twice(tmp_path):
     bench = here(tmp_path)
     found = language.run(bench)
     jobs = bench.pool.jobs
-    assert jobs == len(COMMANDS) + 1 + len(unheard_refusals())
+    everyday = len({phrases[0] for told in writings() for phrases in told.said.values()})
+    impossible = len({told.refused[0] for told in writings()})
+    assert jobs == everyday + impossible + len(COMMANDS) + 1 + len(unheard_refusals())
     assert found.figures["reworded"]["n"] == len(COMMANDS)
+    assert found.figures["everyday"]["n"] == everyday
+    assert found.figures["everyday"]["impossible"]["n"] == impossible
     assert found.figures["contrary"]["n"] == 1
     assert language.run(bench) == found
     assert bench.pool.jobs == jobs

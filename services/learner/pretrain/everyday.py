@@ -1,0 +1,55 @@
+"""Phrases as people say them: written by several, none of whom had seen the lexicon.
+
+Each file of `everyday/` is one writing of a dozen or so phrases a command, and of what is to be
+refused. Nothing is taught from them, though many of their words are in the lexicon.
+"""
+
+import tomllib
+from collections.abc import Iterable
+from functools import cache
+from importlib import resources
+from typing import NamedTuple
+
+from services.learner.pretrain.lexicon import exam
+from shared.policies.phrase import words_of
+from shared.workcell.skills import COMMANDS
+
+REFUSE = "refuse"
+
+
+class Writing(NamedTuple):
+    """said: phrases of each command. refused: phrases to be refused."""
+
+    name: str
+    said: dict[str, tuple[str, ...]]
+    refused: tuple[str, ...]
+
+
+@cache
+def writings() -> tuple[Writing, ...]:
+    """All of them, by name."""
+    folder = resources.files("services.learner.pretrain").joinpath("everyday")
+    texts = {file.name: file.read_text() for file in folder.iterdir()}
+    return tuple(
+        _writing(name.removesuffix(".toml"), tomllib.loads(texts[name])) for name in sorted(texts)
+    )
+
+
+def _writing(name: str, table: dict[str, list[str]]) -> Writing:
+    said = {command: tuple(table[command]) for command in COMMANDS}
+    return Writing(name, said, tuple(table[REFUSE]))
+
+
+def has_new_word(phrase: str) -> bool:
+    """Whether a word of it was never taught, in any place."""
+    return not _taught().issuperset(words_of(phrase))
+
+
+@cache
+def _taught() -> frozenset[str]:
+    known = exam()[0]
+    return frozenset(word for table in known for text in _texts(table) for word in words_of(text))
+
+
+def _texts(table: dict[str, tuple[tuple[str, ...], ...]]) -> Iterable[str]:
+    return (text for groups in table.values() for group in groups for text in group)
