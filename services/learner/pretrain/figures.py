@@ -58,6 +58,7 @@ def reading(low_level: Path) -> list[Figure]:
         "unheard phrase read rightly": found["unheard words"],
         **{f"unheard phrase read rightly, {kind}": kinds[kind] for kind in UNHEARD},
         "what can't be done refused": found["refusals"],
+        **{f"everyday phrases {kind}": rate for kind, rate in found["everyday"].items()},
         **{f"confused, {pair}": rate for pair, rate in found["confused"].items()},
     }
     return [

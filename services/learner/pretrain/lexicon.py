@@ -27,7 +27,8 @@ class Lexicon(NamedTuple):
     things: by name what they are called. acts: by verb what is said for it; `{}` is a thing, `[]` a
     place. places: by fixture, "down" for the table, "other" for the rest of the world. others:
     "things", "acts" (`{}`: a thing) and "said", to be refused. courtesy: "before", "after",
-    "beside", "contrast" (`{x}`: not this, `{n}`: this), "two" things at once.
+    "beside", "contrast" (`{x}`: not this, `{n}`: this), "places" (the same of where to), "two"
+    things at once.
     """
 
     things: Table

@@ -27,12 +27,14 @@ from shared.workcell.objects import BODY_NAMES, KITCHEN, OBJECT_NAMES, TABLE
 from shared.workcell.skills import COMMANDS, SKILLS
 
 Rows = NDArray[np.int64]
+CANONICAL = 0.25
+"""The plain words are said far more often than any other; see `Speaker`."""
 
 
 class ReaderFitSettings(Settings):
     """phrases: drawn to learn from. seed: of what is drawn. *_decay: how small weights are kept."""
 
-    phrases: int = 6_000
+    phrases: int = 12_000
     seed: int = 0
     tagger: TaggerFitSettings = TaggerFitSettings()
     acts_decay: float = 1e-4
@@ -55,7 +57,8 @@ def fit_reader(
     """A reader that was taught a lexicon and the canonical commands."""
     encoder = encoder or shared_encoder()
     rng = np.random.default_rng(settings.seed)
-    said = drawn(Speaker(lexicon, lexicon, lexicon, rng), settings.phrases, rng)
+    speaker = Speaker(lexicon, lexicon, lexicon, rng, CANONICAL)
+    said = drawn(speaker, settings.phrases, rng)
     parts, guessed = _fit_parts(said, settings, encoder)
     needs = [skill.object or skill.verb for skill in SKILLS]
     reader = Reader(
@@ -82,6 +85,8 @@ def drawn(speaker: Speaker, count: int, rng: np.random.Generator) -> list[Said]:
         (0.18, lambda: speaker.contrasted(thing(), thing())),
         (0.20, lambda: speaker.put(str(rng.choice(PLACES)))),
         (0.07, lambda: speaker.put(str(rng.choice(PLACES)), thing())),
+        (0.04, lambda: speaker.contrasted_put(*map(str, rng.permutation(PLACES)[:2]))),
+        (0.03, lambda: speaker.bare_put(str(rng.choice(PLACES)))),
         (0.06, speaker.wait),
         (0.06, speaker.unknown_thing),
         (0.09, lambda: speaker.unknown_act(thing())),

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from services.learner.pretrain.everyday import writings
 from services.learner.pretrain.lexicon import FOLDS, Lexicon, exam, fold
 from services.learner.pretrain.reader_fit import ReaderFitSettings, fit_reader
 from services.learner.pretrain.words import Said, Speaker
@@ -22,7 +23,14 @@ from shared.intervals import rate
 from shared.policies.phrase import words_of
 from shared.policies.reader import PLACES, Reader
 from shared.workcell.objects import BODY_NAMES, KITCHEN, OBJECT_NAMES, TABLE, Stock
-from shared.workcell.skills import COMMANDS, PUT_DOWN, PUT_IN_BIN, PUT_IN_TUB, PUT_ON_PLATE
+from shared.workcell.skills import (
+    COMMANDS,
+    PUT_DOWN,
+    PUT_IN_BIN,
+    PUT_IN_TUB,
+    PUT_ON_PLATE,
+    parse,
+)
 
 TARGETS = (PUT_ON_PLATE, PUT_IN_BIN, PUT_IN_TUB)
 HEARD = "only known words"
@@ -272,8 +280,36 @@ def examine(folds: Sequence[int], seeds: Sequence[int], each: int, phrases: int)
 
 
 def final(reader: Reader, each: int) -> dict[str, Any]:
-    """Figures of a reader on the words of the exam, which it never heard."""
-    return figures(ask(reader, Examiner(*exam(), seed=0).questions(each), shared_encoder()))
+    """Figures of a reader on the words of the exam, which it never heard, and everyday phrases."""
+    encoder = shared_encoder()
+    heard = ask(reader, everyday_questions(), encoder)
+    return {
+        **figures(ask(reader, Examiner(*exam(), seed=0).questions(each), encoder)),
+        "everyday": {
+            kind: _rates([one for one in heard if one.question.kind == kind])
+            for kind in dict.fromkeys(one.question.kind for one in heard)
+        },
+    }
+
+
+def everyday_questions() -> list[Question]:
+    """What people say, by writing, on each table where it can be done; and what must be refused."""
+    asked = []
+    for writing in writings():
+        for stock in (KITCHEN, TABLE):
+            for command, phrases in writing.said.items():
+                skill = parse(command)
+                name = skill.object or skill.verb
+                if name in stock or name not in BODY_NAMES:
+                    asked += [
+                        Question(writing.name, Said(text, (), "", command), stock)
+                        for text in phrases
+                    ]
+            asked += [
+                Question(f"{writing.name}, impossible", Said(text, (), "", ""), stock)
+                for text in writing.refused
+            ]
+    return asked
 
 
 def main() -> None:
@@ -283,7 +319,7 @@ def main() -> None:
     parser.add_argument("--folds", type=int, nargs="+", default=list(range(FOLDS)))
     parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3], help="of the split")
     parser.add_argument("--each", type=int, default=2, help="questions of a kind about each thing")
-    parser.add_argument("--phrases", type=int, default=6_000, help="to learn from")
+    parser.add_argument("--phrases", type=int, default=12_000, help="to learn from")
     args = parser.parse_args()
     found = examine(args.folds, args.seeds, args.each, args.phrases)
     args.report.write_text(json.dumps(found, indent=1) + "\n")

@@ -19,11 +19,16 @@ _PUT = {"plate": PUT_ON_PLATE, "bin": PUT_IN_BIN, "tub": PUT_IN_TUB, "down": PUT
 NAMED = {"put": "named_put", "down": "named_down"}
 """By act the list of what is said for it when what is held is named."""
 DETERMINERS = ("the", "the", "the", "that", "this", "a", "my", "")
+PREPOSITIONS = ("in", "into", "on", "onto", "to")
+COMMON = ("the", "a", "of", "with", "blue", "white", "small", "little", "round", "plate")
+"""Words of a thing's name that can well be a place's."""
 POINTING = ("it", "it", "that", "this")
 BESIDE = 0.15
 """How often it is said where a thing lies."""
 DIRECT = {"plate": 0.3, "bin": 0.3, "tub": 0.3, "down": 0.7}
 """How often a put is said without a place."""
+BARE = 0.15
+"""How often a thing is just named, half of the time without "the"; and how often a place is."""
 WHERE = " @ "
 """Between a thing and where it lies, until the phrase is put together."""
 
@@ -43,15 +48,28 @@ class Said(NamedTuple):
 
 
 class Speaker:
-    """Draws phrases: acts of one lexicon, things and places of another, courtesy of a third."""
+    """Draws phrases: acts of one lexicon, things and places of another, courtesy of a third.
+
+    canonical: how often a thing or a place is called by a word of its first group.
+    """
 
     def __init__(
-        self, acts: Lexicon, things: Lexicon, courtesy: Lexicon, rng: np.random.Generator
+        self,
+        acts: Lexicon,
+        things: Lexicon,
+        courtesy: Lexicon,
+        rng: np.random.Generator,
+        canonical: float = 0.0,
     ) -> None:
+        self._canonical = canonical
         self._acts, self._things, self._courtesy, self._rng = acts, things, courtesy, rng
+        texts = (text for groups in things.things.values() for group in groups for text in group)
+        self._called = {word for text in texts for word in words_of(text)} - set(COMMON)
 
     def pick(self, thing: str) -> Said:
         """A request to pick a thing up."""
+        if self._rng.random() < BARE:
+            return self._said([(self._just(thing), THING)], "pick", pick(index(thing)))
         return self._said(self._framed("pick", self.named(thing)), "pick", pick(index(thing)))
 
     def contrasted(self, thing: str, other: str) -> Said:
@@ -67,6 +85,17 @@ class Speaker:
                 pieces.append((text, FILLER))
         return self._said(pieces, "pick", pick(index(thing)))
 
+    def contrasted_put(self, verb: str, other: str) -> Said:
+        """A request to put what is held in one place and not in another."""
+        frame = self._any(self._courtesy.courtesy, "places")
+        places = {"{x}": (self._place(other), CONTRAST), "{n}": (self._place(verb), PLACE)}
+        pieces = [places.get(part, (text, FILLER)) for part, text in _cut(frame, ("{x}", "{n}"))]
+        return self._said(pieces, "put", _PUT[verb])
+
+    def bare_put(self, verb: str) -> Said:
+        """Nothing but where what is held shall go."""
+        return self._said([(self._place(verb), PLACE)], "put", _PUT[verb])
+
     def put(self, verb: str, named: str = "", placed: bool = False) -> Said:
         """A request to put what is held on the plate, in the bin, in the tub or on the table.
 
@@ -77,7 +106,7 @@ class Speaker:
         if self._acts.acts.get(direct) and not placed and self._rng.random() < DIRECT[verb]:
             frame = self._any(self._acts.acts, direct)
             return self._said(_fill(frame, held, ""), verb, _PUT[verb])
-        place = self._any(self._things.places, verb)
+        place = self._name(self._things.places, verb)
         frame = self._any(self._acts.acts, NAMED["put"] if named else "put")
         return self._said(_fill(frame, held, place), "put", _PUT[verb])
 
@@ -149,10 +178,22 @@ class Speaker:
 
     def named(self, thing: str) -> str:
         """A thing with its determiner, by any of its names."""
-        noun = self._determined(self._any(self._things.things, thing))
+        noun = self._determined(self._name(self._things.things, thing))
         if self._rng.random() < BESIDE:
             noun += WHERE + self._any(self._courtesy.courtesy, "beside")
         return noun
+
+    def _just(self, thing: str) -> str:
+        noun = self._name(self._things.things, thing)
+        return noun if self._rng.random() < 0.5 else f"the {noun}"
+
+    def _place(self, verb: str) -> str:
+        """A place, half of the time without its preposition, unless a thing is called so."""
+        place = self._name(self._things.places, verb)
+        first, _, rest = place.partition(" ")
+        bare = first in PREPOSITIONS and rest.startswith(("the ", "my "))
+        bare = bare and self._called.isdisjoint(words_of(rest))
+        return rest if bare and self._rng.random() < 0.5 else place
 
     def _determined(self, noun: str) -> str:
         return f"{self._rng.choice(DETERMINERS)} {noun}".strip()
@@ -164,6 +205,11 @@ class Speaker:
         if not first and self._rng.random() < 0.5:
             return [(noun, THING)]
         return self._framed("pick", noun) if first else [(noun, THING)]
+
+    def _name(self, table: Table, name: str) -> str:
+        if self._rng.random() < self._canonical:
+            return str(self._rng.choice(table[name][0]))
+        return self._any(table, name)
 
     def _any(self, table: Table, name: str) -> str:
         groups = table[name]
