@@ -42,7 +42,7 @@ class Pool:
         self._pool = ProcessPoolExecutor(
             processes or os.cpu_count() or 1,
             mp_context=multiprocessing.get_context("spawn"),
-            initializer=_begin,
+            initializer=begin_worker,
         )
 
     def __enter__(self) -> Self:
@@ -77,7 +77,8 @@ class Pool:
 _loaded: dict[str, Worker[Any, Any]] = {}  # At most one a process, by its plan.
 
 
-def _begin() -> None:
+def begin_worker() -> None:
+    """Begins a spawned process: it doesn't hear Ctrl-C, and ends when its parent does."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     threading.Thread(target=_end_with_parent, daemon=True).start()

@@ -17,7 +17,7 @@ from services.learner.experiments.bench import Bench
 from services.learner.experiments.registry import EXPERIMENTS, experiment_named
 from shared.config import exit_misconfigured
 from shared.errors import ConfigError, HldError, nearest
-from shared.evaluation.plan import Plan, find_high_level, parse_seeds
+from shared.evaluation.plan import ORACLE, Plan, find_high_level, parse_seeds
 from shared.evaluation.pool import Pool
 from shared.policies.checkpoint import load_card
 from shared.service import interrupt_at_sigterm
@@ -46,7 +46,8 @@ def main(
     n: Annotated[int, typer.Option(min=0, help="short for --seeds 0:N")] = 0,
     site: Annotated[str, typer.Option(help="settings file of the cell")] = "lab",
     high_level: Annotated[
-        str, typer.Option(help="the learned one: base, a version, or a checkpoint folder")
+        str,
+        typer.Option(help="base, a version, or a checkpoint folder, for horizon and transitions"),
     ] = "base",
     low_level: Annotated[str, typer.Option(help="checkpoint folder; the bundled one")] = "",
     data: Annotated[Path, typer.Option(help="the run whose versions are meant")] = Path("runs/up"),
@@ -62,7 +63,7 @@ def main(
             raise ConfigError(f"no scale {scale!r}{nearest(scale, SCALES)}")
         some = experiment.small if scale == "small" else experiment.full
         wanted = parse_seeds(seeds or f"0:{n or some}")
-        learned = find_high_level(high_level, data)
+        learned = find_high_level(high_level, data) if experiment.learned else ORACLE
         plan = Plan(high_level=learned, low_level=low_level, site=site, seeds=wanted)
         plan.check()
     except HldError as error:

@@ -10,19 +10,22 @@ from shared.errors import ConfigError, nearest
 
 
 class Experiment(NamedTuple):
-    """small, full: scenes for each cell of its tables, at either scale."""
+    """small, full: scenes for each cell of its tables, at either scale.
+    learned: whether it tries a learned high level that is given to it.
+    """
 
     run: Callable[[Bench], Findings]
     small: int
     full: int
+    learned: bool = False
 
 
 EXPERIMENTS = {
     "skills": Experiment(skills.run, small=2, full=100),
     "language": Experiment(language.run, small=2, full=100),
-    "horizon": Experiment(horizon.run, small=1, full=60),
-    "baselines": Experiment(baselines.run, small=6, full=100),
-    "transitions": Experiment(transitions.run, small=1, full=120),
+    "horizon": Experiment(horizon.run, small=1, full=60, learned=True),
+    "baselines": Experiment(baselines.run, small=6, full=40),
+    "transitions": Experiment(transitions.run, small=1, full=120, learned=True),
 }
 
 

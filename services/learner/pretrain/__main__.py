@@ -14,8 +14,9 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from services.learner.pretrain.figures import examine
 from services.learner.pretrain.scale import SCALES
-from services.learner.pretrain.stages import Pretraining, leave_signals
+from services.learner.pretrain.stages import Pretraining
 from shared.errors import HldError, nearest
+from shared.evaluation.pool import begin_worker
 
 app = typer.Typer(add_completion=False)
 
@@ -64,7 +65,7 @@ def _pretrain(out: Path, scale: str, seed: int, workers: int, console: Console) 
     spawn = multiprocessing.get_context("spawn")
     with (
         Progress(*columns, TimeRemainingColumn(), console=console) as progress,
-        ProcessPoolExecutor(workers, mp_context=spawn, initializer=leave_signals) as pool,
+        ProcessPoolExecutor(workers, mp_context=spawn, initializer=begin_worker) as pool,
     ):
         try:
             run = Pretraining(out, SCALES[scale], seed, pool, Bars(progress))

@@ -7,7 +7,6 @@ that never stopped.
 
 import hashlib
 import shutil
-import signal
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Executor, as_completed
 from dataclasses import dataclass
@@ -202,11 +201,6 @@ class Pretraining:
         for count, _ in enumerate(as_completed(futures), 1):
             tell(count)
         return [future.result() for future in futures]
-
-
-def leave_signals() -> None:
-    """Begins each worker: it doesn't hear Ctrl-C; the main process does, and ends it."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def _told(tell: Callable[[int], None]) -> Callable[[int, int, float], bool]:
