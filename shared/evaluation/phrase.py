@@ -136,11 +136,17 @@ class Speaker:
         """The commands that were achieved, in order, and the steps that it took."""
         env, hand = self._env, Hand(self._low_level)
         before, done = env.state, [""][:0]
+        # What is held already needn't be picked up: to wait with it is to wait.
+        undone = [
+            skill
+            for skill in SKILLS
+            if skill.text != WAIT and not skills.achieved(skill, before, before)
+        ]
         hand.obey(phrase)
         for step in range(1, steps + 1):
             env.step(hand.move(env))
-            for skill in SKILLS:
-                if skill.text in done or skill.text == WAIT:
+            for skill in undone:
+                if skill.text in done:
                     continue
                 if skills.achieved(skill, before, env.state):
                     done.append(skill.text)

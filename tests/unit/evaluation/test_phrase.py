@@ -51,6 +51,11 @@ def test_to_wait_is_to_have_done_nothing(speaker):
     assert speaker(trial("wait", steps=20)).achieved == "wait"
 
 
+def test_to_wait_with_something_in_the_hand_is_not_to_pick_it_up(speaker):
+    said = speaker(trial("wait", holding="ham", steps=30))
+    assert (said.achieved, said.done) == ("wait", ("wait",))
+
+
 def test_a_phrase_that_the_low_level_objects_to_moves_nothing(speaker):
     class Refusing:
         def objection(self, goal, objects):
