@@ -22,7 +22,9 @@ def run(bench: Bench) -> Findings:
     trials = {skill.text: _trials(skill, bench) for skill in skills}
     said = bench.phrases(f"skills-{bench.site}", [one for some in trials.values() for one in some])
     alone = {text: _figures([one for one in said if one.expected == text]) for text in trials}
-    sites = [bench.site] if bench.small else site_names()
+    sites = (
+        [bench.site] if bench.small else sorted(site_names(), key=lambda name: name != bench.site)
+    )
     tasks = {
         f"{task} at {site}": summarize(
             bench.episodes(
