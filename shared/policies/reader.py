@@ -35,8 +35,8 @@ PUTS = THINGS + np.arange(len(PLACES))  # Rows of the commands that put, in the 
 WAIT_ROW = THINGS + len(PLACES)
 ABSENT = 2.0
 """By so much less likely, in logits, a thing is meant that isn't in the scene."""
-LEAST_ACT = 0.4
-LEAST_NAME = 0.2
+LEAST_ACT = 0.5
+LEAST_NAME = 0.3
 """What is to be done, or the thing or place that is named, is refused where it is less probable."""
 
 

@@ -5,7 +5,8 @@ from pathlib import Path
 
 from services.learner.pretrain import cards
 from services.learner.pretrain.exam import Attempt, Exam, by_name, figure, try_skills
-from services.learner.pretrain.reading_exam import HEARD, UNHEARD, final
+from services.learner.pretrain.reading_exam import final
+from services.learner.pretrain.reading_figures import HEARD, UNHEARD
 from services.learner.pretrain.stages import EXAM_SEED, PARTS, Pretraining
 from services.learner.pretrain.unheard import unheard_phrases
 from shared.evaluation.attempts import Row

@@ -5,7 +5,8 @@ import pytest
 
 from services.learner.pretrain.lexicon import Lexicon, Table, exam
 from services.learner.pretrain.reader_fit import ReaderFitSettings, fit_reader
-from services.learner.pretrain.reading_exam import Examiner, ask, figures, table
+from services.learner.pretrain.reading_exam import Examiner, ask
+from services.learner.pretrain.reading_figures import figures, table
 from services.learner.pretrain.tagger_fit import TaggerFitSettings
 from shared.goals.language.encoder import shared_encoder
 from shared.policies.reader import Reader
