@@ -30,7 +30,7 @@ def draw(folder: Path, plot: Plot) -> str:
         if count > 1:
             figure.suptitle(plot.title)
         name = f"{plot.name}.svg"
-        figure.savefig(folder / name, metadata={"Date": None})
+        figure.savefig(folder / name, metadata={"Date": None}, bbox_inches="tight")
     return name
 
 
@@ -45,16 +45,18 @@ def _panel(axes: Any, panel: Panel, plot: Plot) -> None:
         shift = 0.15 * (place - (len(panel.curves) - 1) / 2)
         x = [names.index(at) + shift if named else float(at) for at in curve.x]
         _curve(axes, curve, x, colour, named)
+    slanted = named and len(names) > CROWD
     if named:
-        crowded = {"rotation": 35, "ha": "right"} if len(names) > CROWD else {}
-        axes.set_xticks(range(len(names)), names, **crowded)
+        slant = {"rotation": 35, "ha": "right"} if slanted else {}
+        axes.set_xticks(range(len(names)), names, **slant)
     else:
         axes.set_xticks(names, [f"{name:g}" for name in names])
     axes.set(ylim=(-0.03, 1.03), xlabel=plot.x_label, ylabel=plot.y_label, title=panel.title)
     axes.spines[["top", "right"]].set_visible(False)
     if len(panel.curves) > 1:  # Below, where it covers nothing.
+        below = 0.5, -0.45 if slanted else -0.2
         axes.legend(
-            loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2, frameon=False, fontsize="small"
+            loc="upper center", bbox_to_anchor=below, ncols=2, frameon=False, fontsize="small"
         )
 
 
