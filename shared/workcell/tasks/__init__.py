@@ -34,4 +34,4 @@ def understand(prompt: str) -> Brief:
             return task.understand(prompt)
         except UnknownPrompt as error:
             complaints.append(str(error))
-    raise UnknownPrompt("; or ".join(complaints))
+    raise UnknownPrompt("; or ".join(dict.fromkeys(complaints)))

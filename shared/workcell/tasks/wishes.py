@@ -41,6 +41,10 @@ _LEFT_OUT = re.compile(
     rf"\b{_EXCEPT}\s+(?:out\s+)?(?:the\s+)?((?:{_NAMES})e?s?"
     rf"(?:(?:\s*,\s*(?:and\s+)?|\s+and\s+|\s+or\s+)(?:the\s+|no\s+)?(?:{_NAMES})e?s?)*)\b"
 )
+_NOT_ON_A_SIDE = re.compile(
+    rf"\b{_EXCEPT}\s+(?:(?:what|that|which|those|things|anything|everything|is|are|lies)(?:'s)?\s+)*"
+    r"(?:on|from|to) (?:the|your|my) (?:left|right)\b"
+)
 _BEFORE_NOUNS = frozenset(words("the a an some no and but without except leave with or of"))
 _ORDINARY = frozenset(
     words(
@@ -105,9 +109,14 @@ def read(prompt: str) -> Wish:
     """What a prompt says of things.
 
     Raises:
-        UnknownPrompt: it names a thing that the cell doesn't have.
+        UnknownPrompt: it names a thing that the cell doesn't have, leaves out a side, or
+            contradicts itself.
     """
     text = " ".join(prompt.lower().split())
+    if found := _NOT_ON_A_SIDE.search(text):
+        raise UnknownPrompt(
+            f"{found.group()!r}: a side can't be left out; name the other side, or the things"
+        )
     but = tuple(name for found in _LEFT_OUT.findall(text) for name in _NAMED.findall(found))
     kept = _LEFT_OUT.sub(" ", text)
     names = tuple(_NAMED.findall(kept))
@@ -119,6 +128,8 @@ def read(prompt: str) -> Wish:
         dict.fromkeys(re.findall(r"\b(?:on|from|to) (?:the|your|my) (left|right)\b", kept))
     )
     _refuse_strangers(text)
+    if "vegetarian" in traits and _MEAT.intersection(names):
+        raise UnknownPrompt(f"{prompt!r} asks for meat in something vegetarian: leave out either")
     return Wish(names, traits + tuple(dict.fromkeys(colours)), sides, but)
 
 

@@ -95,6 +95,20 @@ def test_a_thing_that_the_cell_lacks_is_refused_with_those_that_it_has(prompt):
 
 
 @pytest.mark.parametrize(
+    ("prompt", "why"),
+    [
+        ("clear what is not on the left", "side can't be left out"),
+        ("put everything but what's on the right in the bin", "side can't be left out"),
+        ("make a vegetarian sandwich with ham", "asks for meat"),
+    ],
+)
+def test_what_cant_be_meant_is_refused_once_with_the_reason(prompt, why):
+    with pytest.raises(UnknownPrompt, match=why) as error:
+        understand(prompt)
+    assert str(error.value).count(why) == 1
+
+
+@pytest.mark.parametrize(
     "prompt", ["", "dance", "make a sandwich with toast", "put the cup in the bin", "a sandwich"]
 )
 def test_a_prompt_that_asks_for_no_task_is_answered_with_one_that_does(prompt):
