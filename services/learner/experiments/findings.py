@@ -68,7 +68,8 @@ def cell(figures: dict[str, Any]) -> str:
 def gap_cell(figures: dict[str, Any]) -> str:
     """A paired difference as a cell of a table: +0.12 (+0.02 to +0.21), p = 0.031."""
     low, high = figures["interval"]
-    return f"{figures['difference']:+.2f} ({low:+.2f} to {high:+.2f}), p = {figures['p']:.3f}"
+    p = f"p = {figures['p']:.3f}" if figures["p"] >= 0.001 else "p < 0.001"
+    return f"{figures['difference']:+.2f} ({low:+.2f} to {high:+.2f}), {p}"
 
 
 def curve(label: str, points: dict[float, dict[str, Any]] | dict[str, dict[str, Any]]) -> Curve:
