@@ -50,7 +50,7 @@ for _bounds in (ACTION_LOW, ACTION_HIGH):
 
 def _hear(text: str) -> None:
     """MuJoCo's warnings go where others go, instead of into a file beside the caller."""
-    _log.debug("mujoco: %s", text)
+    _log.warning("mujoco: %s", text)
 
 
 mujoco.set_mju_user_warning(_hear)

@@ -43,7 +43,8 @@ def run(bench: Bench) -> Findings:
         title="Language: what is said is done",
         method=(
             "Everyday: phrases for each command by several writers who had not seen what was "
-            "taught, with other verbs and nouns, in other orders, with courtesy and protest; each "
+            "taught (what was missed in them has been taught since), with other verbs and "
+            "nouns, in other orders, with courtesy and protest; each "
             f"is said in one scene; success is that it was achieved within {ATTEMPT_STEPS} steps, "
             "or refused where no robot here can obey.",
             "Reworded: a sentence for a command, with a verb or a noun or both that the low level "

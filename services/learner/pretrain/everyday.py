@@ -1,7 +1,8 @@
-"""Phrases as people say them: written by several, none of whom had seen the lexicon.
+"""Phrases as people say them: written by four writers, none of whom had seen the lexicon.
 
 Each file of `everyday/` is one writing of a dozen or so phrases a command, and of what is to be
-refused. Nothing is taught from them, though many of their words are in the lexicon.
+refused. No reader is fitted to them, but the lexicon and the limits grew by what was missed in
+them: they are for development, and nothing that is held out.
 """
 
 import tomllib
