@@ -32,6 +32,7 @@ def _become(module: str) -> Any:
     def command(context: typer.Context) -> None:
         import sys
 
+        os.environ["HLD_COMMAND"] = context.command_path
         os.execv(sys.executable, [sys.executable, "-m", module, *context.args])
 
     return command
@@ -48,7 +49,9 @@ def up(
     rounds: Annotated[int, typer.Option(min=0, help="end after so many rounds; 0: at Ctrl-C")] = 0,
     episodes: Annotated[int, typer.Option(min=0, help="episodes a round; 0: by corrections")] = 0,
     evaluate: Annotated[int, typer.Option(min=0, help="evaluation episodes a version")] = 0,
-    report: Annotated[Optional[Path], typer.Option(help="write the figures here, as JSON")] = None,
+    report: Annotated[
+        Optional[Path], typer.Option(dir_okay=False, help="write the figures here, as JSON")
+    ] = None,
     site: Annotated[str, typer.Option(help="settings file of the cell")] = "far",
     tasks: Annotated[str, typer.Option(help="taken in turn")] = "sandwich,pack,bus",
     pace: Annotated[Optional[str], typer.Option(help="real-time or lockstep")] = None,

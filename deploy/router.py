@@ -7,7 +7,7 @@ import typer
 
 from shared.config import load_or_exit
 from shared.errors import ConfigError
-from shared.service import Stop
+from shared.service import Stop, run_command
 from shared.telemetry import set_up
 from shared.wire.link import RouterSettings
 from shared.wire.router import Router
@@ -33,4 +33,4 @@ def main(
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    run_command(main)

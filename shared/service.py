@@ -4,7 +4,20 @@ import os
 import signal
 import threading
 import time
+from collections.abc import Callable
 from types import FrameType
+
+import typer
+
+CALLED = "HLD_COMMAND"
+"""Environment variable in which `hld` leaves what people typed, such as "hld evaluate"."""
+
+
+def run_command(main: Callable[..., None]) -> None:
+    """Run a module's command; its usage line says how people call it, as `hld` tells."""
+    app = typer.Typer(add_completion=False)
+    app.command()(main)
+    app(prog_name=os.environ.pop(CALLED, None))
 
 
 def die_with_supervisor() -> None:

@@ -9,7 +9,7 @@ import typer
 from services.actor.config import ActorSettings
 from shared.config import exit_misconfigured, load_or_exit
 from shared.errors import HldError, PolicyError, WorkcellError
-from shared.service import Stop
+from shared.service import Stop, run_command
 from shared.telemetry import set_up
 
 
@@ -50,4 +50,4 @@ def main(
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    run_command(main)

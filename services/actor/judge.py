@@ -15,7 +15,7 @@ from rich.table import Table
 from shared.config import exit_misconfigured, load_or_exit
 from shared.errors import HldError
 from shared.rollout.settings import RolloutSettings
-from shared.service import die_with_supervisor, interrupt_at_sigterm
+from shared.service import die_with_supervisor, interrupt_at_sigterm, run_command
 
 INTERRUPTED = 130
 
@@ -35,7 +35,9 @@ def main(
     ] = None,
     low_level: Annotated[str, typer.Option(help="checkpoint folder; the bundled one")] = "",
     data: Annotated[Path, typer.Option(help="the run whose versions are meant")] = Path("runs/up"),
-    report: Annotated[Optional[Path], typer.Option(help="write the figures here")] = None,
+    report: Annotated[
+        Optional[Path], typer.Option(dir_okay=False, help="write the figures here, as JSON")
+    ] = None,
     processes: Annotated[int, typer.Option(min=0, help="0: one a core")] = 0,
     set_: Annotated[
         Optional[list[str]], typer.Option("--set", help="KEY=VALUE of the rollout")
@@ -108,4 +110,4 @@ def _rate(figures: dict[str, Any]) -> tuple[str, ...]:
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    run_command(main)

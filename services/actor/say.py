@@ -13,6 +13,7 @@ from rich.console import Console
 from shared.config import exit_misconfigured
 from shared.errors import ConfigError, HldError
 from shared.seeds import EVALUATION
+from shared.service import run_command
 
 HOLDING_STEPS = 240
 """Time enough to put down what a hand holds before something else is picked up."""
@@ -27,7 +28,9 @@ def main(
     site: Annotated[str, typer.Option(help="settings file of the cell")] = "lab",
     low_level: Annotated[str, typer.Option(help="checkpoint folder; the bundled one")] = "",
     steps: Annotated[int, typer.Option(min=1, max=10_000)] = HOLDING_STEPS,
-    report: Annotated[Optional[Path], typer.Option(help="write what came of it here")] = None,
+    report: Annotated[
+        Optional[Path], typer.Option(dir_okay=False, help="write what came of it here")
+    ] = None,
 ) -> None:
     """One phrase, one scene: what was understood, or why it is refused, and what was done."""
     from shared.evaluation.phrase import Phrases, Said, Speaker, Trial
@@ -79,4 +82,4 @@ def _show(content: dict[str, Any]) -> None:
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    run_command(main)

@@ -12,7 +12,7 @@ from services.correction_api.build import opened
 from services.correction_api.config import ApiSettings
 from services.correction_api.loop import serve
 from shared.config import load_or_exit
-from shared.service import Stop
+from shared.service import Stop, run_command
 from shared.telemetry import set_up
 
 SWITCH_S = 0.0005  # A busy thread must not keep a correction waiting for 5 ms.
@@ -35,4 +35,4 @@ def main(
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    run_command(main)

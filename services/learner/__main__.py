@@ -10,7 +10,7 @@ from services.learner import build
 from services.learner.config import LearnerSettings
 from shared.config import load_or_exit
 from shared.errors import ConfigError, HldError
-from shared.service import Stop
+from shared.service import Stop, run_command
 from shared.telemetry import set_up
 
 
@@ -41,4 +41,4 @@ def main(
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    run_command(main)

@@ -10,7 +10,7 @@ from services.oracle.build import build
 from services.oracle.config import OracleSettings
 from services.oracle.loop import run
 from shared.config import load_or_exit
-from shared.service import Stop
+from shared.service import Stop, run_command
 from shared.telemetry import set_up
 
 
@@ -27,4 +27,4 @@ def main(
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    run_command(main)

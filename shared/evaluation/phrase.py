@@ -11,14 +11,13 @@ from pydantic import BaseModel, ConfigDict
 from shared.config import Settings
 from shared.evaluation.hand import Hand
 from shared.evaluation.scene import Setting, prepare
-from shared.evaluation.watch import ATTEMPT_STEPS
 from shared.messages.goal import Goal
 from shared.policies.checkpoint import bundled, load_card
 from shared.policies.low_level import LowLevel
 from shared.workcell import skills
-from shared.workcell.env import WorkcellEnv, objects
+from shared.workcell.env import WorkcellEnv, objects, proprioception
 from shared.workcell.objects import COUNT
-from shared.workcell.skills import PUTS, SKILLS, WAIT
+from shared.workcell.skills import ATTEMPT_STEPS, PUTS, SKILLS, WAIT
 from shared.workcell.state import CellState, on_table
 
 
@@ -128,8 +127,9 @@ class Speaker:
     def read(self, phrase: str) -> Reading:
         """What the low level makes of a phrase in the scene as it is."""
         goal, things = Goal(text=phrase), objects(self._env.state)
-        refused = self._low_level.objection(goal, things)
-        near = self._low_level.nearest(goal, things)
+        felt = proprioception(self._env.state)
+        refused = self._low_level.objection(goal, things, felt)
+        near = self._low_level.nearest(goal, things, felt)
         return Reading(refused, tuple(Near(text, round(score, 4)) for text, score in near))
 
     def _act(self, phrase: str, expected: str, steps: int) -> tuple[tuple[str, ...], int]:

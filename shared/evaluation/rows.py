@@ -1,5 +1,6 @@
 """Rows on the disk: what was measured is kept as it comes, and not measured again."""
 
+import itertools
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from pathlib import Path
 from typing import Generic, TypeVar
@@ -17,8 +18,8 @@ Job = TypeVar("Job", bound=Hashable)
 class Rows(Generic[R]):
     """A file with a row a line, and beside it a note of what the rows hang on.
 
-    done: the rows that are there. Rows under another note are no use and are cleared away; a last
-    line that was half written is dropped.
+    done: the rows that are there. Rows under another note are no use here and are moved aside, as
+    NAME.old-1.jsonl; a last line that was half written is dropped.
     """
 
     def __init__(self, file: Path, kind: type[R], note: str) -> None:
@@ -28,6 +29,8 @@ class Rows(Generic[R]):
         beside = file.with_suffix(".note.json")
         if beside.exists() and beside.read_text() == note:
             self.done = self._read()
+        elif file.exists() and file.stat().st_size:
+            file.replace(_free(file))
         file.write_text("".join(f"{row.model_dump_json()}\n" for row in self.done))
         beside.write_text(note)
 
@@ -45,6 +48,12 @@ class Rows(Generic[R]):
             except ValidationError:
                 break
         return rows
+
+
+def _free(file: Path) -> Path:
+    """Where old rows can be kept."""
+    names = (file.with_suffix(f".old-{number}.jsonl") for number in itertools.count(1))
+    return next(name for name in names if not name.exists())
 
 
 def measure(

@@ -5,11 +5,9 @@ from collections.abc import Callable, Set
 from shared.evaluation.attempts import Attempt, skill_name, skill_of
 from shared.workcell.env import WorkcellEnv
 from shared.workcell.objects import OBJECT_NAMES
-from shared.workcell.skills import Skill, achieved, parse
+from shared.workcell.skills import ATTEMPT_STEPS, Skill, achieved, parse
 from shared.workcell.state import CellState, held_object
 
-ATTEMPT_STEPS = 120
-"""An attempt that the end of an episode cuts off sooner counts only if it was achieved."""
 OUT_OF_TIME = "out of time"
 CHANGED_ITS_MIND = "changed its mind"
 
@@ -60,6 +58,7 @@ class Watch:
 
     def finish(self, step: int, success: bool) -> tuple[Attempt, ...]:
         """The episode is over; all attempts in it."""
+        # An attempt that the end cuts off sooner counts only if it was achieved.
         if self._achieved_after or step - self._begin >= ATTEMPT_STEPS:
             self._close(step)
         if success:

@@ -85,6 +85,16 @@ class Geometry(nn.Module):
         tokens = torch.cat([scene.objects(), scene.spots()], 1)
         return View(tokens, self._valid(there), scene.body(arm, other), near, own[:, :6])
 
+    def held(self, proprioception: Tensor, objects: Tensor) -> Tensor:
+        """Which objects are in a hand, [B, O] bool, of robots [B, 22] and [B, 18, 9]."""
+        points = objects[:, :OBJECTS, :3]
+        points = torch.where(present(objects)[:, :OBJECTS, None], points, AWAY_M)
+        grips = []
+        for arm in range(2):
+            own = arms(proprioception, torch.full((len(objects),), arm))[0]
+            grips.append(gripped_by(points, own[:, 7:10], own[:, 6]))
+        return torch.stack(grips).amax(0) > 0
+
     def _valid(self, there: Tensor) -> Tensor:
         """Which tokens stand for something that is there, [R, K]."""
         plate, bin_, tub = (there[:, row : row + 1] for row in (PLATE, BIN, TUB))

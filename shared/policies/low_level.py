@@ -18,7 +18,7 @@ from shared.policies import checkpoint, reader
 from shared.policies.checkpoint import Tensors, sha256_tensors
 from shared.policies.geometry import MEASURES, Geometry, View
 from shared.policies.low_net import CHUNK, CLOSED_M, OPEN_M, LowNet, Motion, Orders, targets
-from shared.policies.reader import Reader, Sentences
+from shared.policies.reader import LEAST_NAME, PUTS, Reader, Reading, Sentences
 from shared.policies.tokens import OPEN_GAP_M
 
 
@@ -83,22 +83,38 @@ class LowLevel:
             done = self._motion(proprioception[None], objects[None], self._orders([row]))[1]
         return float(done[0])
 
-    def objection(self, goal: Goal, objects: Floats) -> str:
-        """Why it can't do the goal in this scene; "" if it understands the goal and can."""
-        there = _present(objects)
+    def objection(self, goal: Goal, objects: Floats, proprioception: Floats | None = None) -> str:
+        """Why it can't do the goal in this scene; "" if it understands the goal and can.
+
+        proprioception: [22]; None: whatever is in the hands.
+        """
+        there, held = _present(objects), self._held(proprioception, objects)
         reading = self.reader.read(goal.text, there)
-        nearest = ", ".join(repr(text) for text, _ in self.nearest(goal, objects))
+        nearest = ", ".join(repr(text) for text, _ in self.nearest(goal, objects, proprioception))
         if reading.command is None:
             return f"the low level doesn't understand {goal.text!r}; nearest it knows: {nearest}"
-        if self._possible(reading.command, there):
-            return ""
-        command = self.reader.commands[reading.command]
-        return f"{command!r} can't be done here, since that isn't in the scene; nearest: {nearest}"
+        command, why = self.reader.commands[reading.command], ""
+        if not self._possible(reading.command, there):
+            why = "that isn't in the scene"
+        elif held is not None and reading.command in PUTS:
+            why = _unheld(reading, held)
+        return f"{command!r} can't be done here, since {why}; nearest: {nearest}" if why else ""
 
-    def nearest(self, goal: Goal, objects: Floats) -> list[tuple[str, float]]:
+    def nearest(
+        self, goal: Goal, objects: Floats, proprioception: Floats | None = None
+    ) -> list[tuple[str, float]]:
         """The commands that a goal is nearest to, of those possible in this scene, and scores."""
-        there = _present(objects)
-        return self.reader.nearest(self.reader.read(goal.text, there).scores, there)
+        held = self._held(proprioception, objects)
+        empty = held is not None and not held.any()
+        return self.reader.nearest(goal.text, _present(objects), empty)
+
+    def _held(self, proprioception: Floats | None, objects: Floats) -> NDArray[np.bool_] | None:
+        """[15] What is in the hands; None: not known."""
+        if proprioception is None:
+            return None
+        seen = torch.from_numpy(proprioception)[None], torch.from_numpy(objects)[None]
+        held: NDArray[np.bool_] = self._net.geometry.held(*seen)[0].numpy()
+        return held
 
     def meaning(self, goal: Goal, objects: Floats) -> str | None:
         """The command that it takes a goal for in this scene; None if it understands none."""
@@ -144,6 +160,15 @@ def _present(objects: Floats) -> NDArray[np.bool_]:
     """[18] What is in the scene: the rows of absent bodies are zero."""
     there: NDArray[np.bool_] = np.abs(objects).max(-1) > 0
     return there
+
+
+def _unheld(reading: Reading, held: NDArray[np.bool_]) -> str:
+    """Why nothing can be put, or not what was named; "" if it can."""
+    if not held.any():
+        return "nothing is in the hands"
+    if any(float(thing[held].sum()) < LEAST_NAME for thing in reading.things):
+        return "what it names is not what is in the hand"
+    return ""
 
 
 def _still(proprioception: Floats) -> Floats:

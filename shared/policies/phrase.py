@@ -12,6 +12,9 @@ FILLER, ACT, THING, PLACE, CONTRAST = PARTS = range(5)
 _STANDS_FOR = {THING: "the object", PLACE: "to that place"}
 _JOINING = frozenset(("and", "or", "plus"))
 _POINTING = frozenset(("it", "that", "this", "the", "them", "one"))
+_RELATING = frozenset(("on", "in", "into", "onto", "next", "under", "behind", "beside", "near"))
+"""Right before a place they belong to it."""
+_ARTICLES = frozenset(("the", "a", "an", "my", "your", "its"))
 _DETERMINERS = frozenset(
     ("the", "a", "an", "that", "this", "these", "those", "my", "your", "some", "one", "of")
 )
@@ -41,6 +44,7 @@ def words_of(text: str) -> list[str]:
 
 def take_apart(words: Sequence[str], parts: Sequence[int]) -> Parts:
     """What the words say, each playing its part."""
+    parts = _related(words, parts)
     frame: list[str] = []
     found: dict[int, list[str]] = {THING: [], PLACE: []}
     for part, run in groupby(zip(words, parts, strict=True), key=lambda pair: pair[1]):
@@ -55,6 +59,18 @@ def take_apart(words: Sequence[str], parts: Sequence[int]) -> Parts:
             frame.append(_STANDS_FOR[part])
             found[part].append(" ".join(said))
     return Parts(" ".join(frame), tuple(found[THING]), tuple(found[PLACE]))
+
+
+def _related(words: Sequence[str], parts: Sequence[int]) -> list[int]:
+    """The parts, "next to" and the like together with their place, which ends in no article."""
+    told = list(parts)
+    for at in range(len(told) - 1):
+        if told[at] == PLACE and told[at + 1] in (ACT, FILLER) and words[at] in _ARTICLES:
+            told[at + 1] = PLACE
+    for at in reversed(range(len(told) - 1)):
+        if told[at] == ACT and told[at + 1] == PLACE and words[at] in _RELATING:
+            told[at] = PLACE
+    return told
 
 
 def _listed(nouns: list[str]) -> list[list[str]]:

@@ -60,11 +60,12 @@ class Reading(NamedTuple):
     """What a phrase was taken for.
 
     command: row of the command, None where it was refused. scores: [C] float32 in [0, 1], of each
-    command its probability.
+    command its probability. things: of each thing that it names how probable each of the [15] is.
     """
 
     command: int | None
     scores: Floats
+    things: tuple[Floats, ...] = ()
 
 
 class _Taken(NamedTuple):
@@ -120,22 +121,31 @@ class Reader:
         row = self._rows.get(said)
         if row is not None:
             return Reading(row, np.eye(len(self.commands), dtype=np.float32)[row])
-        acts, names = self._told(self._taken(said), there)
+        acts, names, things = self._told(self._taken(said), there)
         scores = acts * names
         best = int(scores.argmax())
         sure = acts[best] >= LEAST_ACT and names[best] >= LEAST_NAME
-        return Reading(best if sure else None, scores)
+        return Reading(best if sure else None, scores, things)
 
-    def possible(self, there: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """[C] Which commands are about nothing that is missing."""
+    def possible(self, there: NDArray[np.bool_], empty: bool = False) -> NDArray[np.bool_]:
+        """[C] Which commands are about nothing that is missing; empty: nothing is in the hands."""
         needs = np.where(self.things >= 0, self.things, 0)
         answer: NDArray[np.bool_] = (self.things < 0) | there[needs]
+        if empty:
+            answer[PUTS] = False
         return answer
 
-    def nearest(self, scores: Floats, there: NDArray[np.bool_]) -> list[tuple[str, float]]:
-        """The commands that a phrase is nearest to, and are possible, with their scores."""
-        order = np.argsort(-np.where(self.possible(there), scores, -1.0), kind="stable")
-        return [(self.commands[row], float(scores[row])) for row in order[:NEAREST]]
+    def nearest(
+        self, text: str, there: NDArray[np.bool_], empty: bool = False
+    ) -> list[tuple[str, float]]:
+        """The possible commands that a phrase is nearest to, with their scores; see `possible`."""
+        reading = self.read(text, there)
+        scores, can = reading.scores, self.possible(there, empty)
+        if reading.command is not None and not can[reading.command]:
+            acts, names, _ = self._told(self._taken(self.spelt(text)), there)
+            scores = acts * names  # Also of a command as it is: of the others it tells nothing.
+        order = np.argsort(-np.where(can, scores, -1.0), kind="stable")
+        return [(self.commands[row], float(scores[row])) for row in order[:NEAREST] if can[row]]
 
     def spelt(self, text: str) -> str:
         """The phrase as it is read: plain, without a full stop, slips of the finger undone."""
@@ -173,21 +183,26 @@ class Reader:
             tuple(self._places.chances(*one) for one in rest[len(parts.things) :]),
         )
 
-    def _told(self, taken: _Taken, there: NDArray[np.bool_]) -> tuple[Floats, Floats]:
-        """[C] each: how probable each command's act is, and then its thing or place."""
+    def _told(
+        self, taken: _Taken, there: NDArray[np.bool_]
+    ) -> tuple[Floats, Floats, tuple[Floats, ...]]:
+        """[C] each: how probable each command's act is, and then its thing or place; and of each
+        thing that is named how probable each of the [15] is."""
         told = dict(zip(ACTS, softmax(taken.acts), strict=True))
         missing = np.append(np.where(there[:THINGS], 0.0, ABSENT), 0.0).astype(np.float32)
+        things = tuple(softmax(logits - missing)[:THINGS] for logits in taken.things)
         acts, names = np.ones((2, len(self.commands)), np.float32)
         acts[:THINGS] = told["pick"]
-        names[:THINGS] = agreed([softmax(logits - missing) for logits in taken.things], THINGS)
-        places = agreed([softmax(logits) for logits in taken.places], len(PLACES))
+        names[:THINGS] = agreed(things, THINGS)
+        places = agreed([softmax(logits)[: len(PLACES)] for logits in taken.places], len(PLACES))
         put, without_place = told["put"], np.array([told[place] for place in PLACES])
         if taken.places:  # To let go of something in a place is to put it there.
             put, without_place[-1] = put + told["down"], 0.0
         acts[PUTS] = put + without_place
-        names[PUTS] = (put * places + without_place) / acts[PUTS]
+        known = min((float(thing.sum()) for thing in things), default=1.0)
+        names[PUTS] = known * (put * places + without_place) / acts[PUTS]
         acts[WAIT_ROW] = told["wait"]
-        return acts, names
+        return acts, names, things
 
     def with_encoder(self, encoder: Sentences) -> "Reader":
         """The same reader, which has read nothing yet, with another encoder."""
@@ -235,8 +250,8 @@ def bare(text: str) -> str:
 
 
 def agreed(named: Sequence[Floats], count: int) -> Floats:
-    """[count] What all that is named may be, each [count + 1]; nothing, if nothing is named."""
+    """[count] What all that is named may be, each [count]; nothing, if nothing is named."""
     if not named:
         return np.zeros(count, np.float32)
-    least: Floats = np.min(np.stack(named), axis=0)[:count]
+    least: Floats = np.min(np.stack(named), axis=0)
     return least

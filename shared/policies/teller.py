@@ -16,7 +16,8 @@ from shared.policies.likeness import Likeness
 SMALL_WORDS = (
     "not", "don't", "do", "never", "no", "up", "down", "back", "away", "off", "out", "on", "in",
     "over", "and", "or", "both", "it", "there", "hand", "where", "what", "who", "why", "how", "is",
-    "are", "you", "me", "it's",
+    "are", "you", "me", "it's", "from", "next", "beside", "under", "behind", "near", "above", "but",
+    "except",
 )  # fmt: skip
 """Words that turn the meaning of a text and hardly its sentence vector."""
 SCALE = 5.0

@@ -142,9 +142,12 @@ class LowLevel(Protocol):
         """The probability, 0 to 1, that the goal is achieved now, by a learned classifier."""
         ...
 
-    def objection(self, goal: Goal, objects: Floats) -> str:
+    def objection(self, goal: Goal, objects: Floats, proprioception: Floats | None = None) -> str:
         """Why it can't do the goal in this scene, in a sentence that names the nearest goals that
         it knows; "" if it understands the goal and can.
+
+        proprioception: for a person's word, which may be about what is in the hands. None: whatever
+            is in them, for what a high level proposes, whose mistakes are to be seen.
 
         Called from the control loop, at each decision: quick for a goal that it was asked before.
         """

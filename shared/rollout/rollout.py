@@ -217,7 +217,7 @@ class Rollout:
         if correction.kind is Kind.RESUME and not self.paused:
             return "the robot is not paused, so there is nothing to resume"
         if correction.goal is not None:
-            return self._low_level.objection(correction.goal, self._robot.sense().objects)
+            return self._low_level.objection(correction.goal, *reversed(self._robot.sense()))
         return ""
 
     def _took(self, decision: str) -> bool:

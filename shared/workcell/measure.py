@@ -14,6 +14,7 @@ from shared.workcell.expert import act
 from shared.workcell.objects import KITCHEN, TABLE, Stock, rows
 from shared.workcell.site import site_names
 from shared.workcell.skills import (
+    ATTEMPT_STEPS,
     PUT_DOWN,
     PUT_IN_BIN,
     PUT_IN_TUB,
@@ -26,7 +27,6 @@ from shared.workcell.tasks import TASKS
 
 Row = dict[str, Any]
 
-ATTEMPT_STEPS = 120
 DECISION_STEPS = 20
 
 

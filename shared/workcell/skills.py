@@ -46,6 +46,9 @@ SKILLS = (
 COMMANDS = tuple(skill.text for skill in SKILLS)
 """The canonical commands in their fixed order: fifteen picks, plate, bin, tub, down, wait."""
 
+ATTEMPT_STEPS = 120
+"""Control steps that one attempt at a skill may take."""
+
 PUT_ON_PLATE, PUT_IN_BIN, PUT_IN_TUB, PUT_DOWN, WAIT = COMMANDS[-5:]
 PUTS = frozenset({PUT_ON_PLATE, PUT_IN_BIN, PUT_IN_TUB, PUT_DOWN})
 

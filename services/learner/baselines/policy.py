@@ -154,9 +154,9 @@ class Follower:
         del proprioception, objects, goal
         return 0.0
 
-    def objection(self, goal: Goal, objects: Floats) -> str:
+    def objection(self, goal: Goal, objects: Floats, proprioception: Floats | None = None) -> str:
         """None."""
-        del goal, objects
+        del goal, objects, proprioception
         return ""
 
     def meaning(self, goal: Goal, objects: Floats) -> str | None:

@@ -18,7 +18,7 @@ from services.learner.baselines.data import Teaching
 from services.learner.baselines.fit import ArmFit, Fitted
 from services.learner.baselines.net import Pair
 from services.learner.baselines.scale import ARMS, TITLES, Arm, BaselineSettings
-from services.learner.pretrain.cards import DATE
+from services.learner.pretrain.cards import today
 from services.learner.pretrain.low_fit import measures
 from services.learner.pretrain.meanings import Prompts
 from shared.config import Settings
@@ -190,7 +190,7 @@ class Trainer:
             name=f"baseline-{job.arm}",
             title=f"Baseline: {TITLES[job.arm]}",
             version="1",
-            date=DATE,
+            date=today(),
             recipe=(
                 f"{settings.data.episodes} episodes of the scripted expert in the lab, the same "
                 "ones for every arm.",

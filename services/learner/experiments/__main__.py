@@ -20,7 +20,7 @@ from shared.errors import ConfigError, HldError, nearest
 from shared.evaluation.plan import ORACLE, Plan, find_high_level, parse_seeds
 from shared.evaluation.pool import Pool
 from shared.policies.checkpoint import load_card
-from shared.service import interrupt_at_sigterm
+from shared.service import interrupt_at_sigterm, run_command
 
 INTERRUPTED = 130
 SCALES = ("small", "full")
@@ -40,7 +40,9 @@ class Bars:
 
 def main(
     name: Annotated[str, typer.Argument(help=f"one of {', '.join(EXPERIMENTS)}")],
-    out: Annotated[Path, typer.Option(help="folder of rows and report; resumed if there")],
+    out: Annotated[
+        Path, typer.Option(file_okay=False, help="folder of rows and report; resumed if there")
+    ],
     scale: Annotated[str, typer.Option(help="small: a minute, to try it; full: to learn")] = "full",
     seeds: Annotated[str, typer.Option(help="A:B, from the first evaluation seed")] = "",
     n: Annotated[int, typer.Option(min=0, help="short for --seeds 0:N")] = 0,
@@ -77,6 +79,10 @@ def main(
         "seeds": f"{wanted[0]}:{wanted[1]}",
         "n": wanted[1] - wanted[0],
         "low_level_sha256": load_card(plan.low_level_folder()).tensors_sha256,
+        "high_level": high_level if experiment.learned else None,
+        "high_level_sha256": load_card(plan.high_level_folder()).tensors_sha256
+        if plan.high_level != ORACLE
+        else None,
     }
     os.environ["OMP_NUM_THREADS"] = "1"  # The processes share the cores.
     interrupt_at_sigterm()
@@ -103,4 +109,4 @@ def main(
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    run_command(main)

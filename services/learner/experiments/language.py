@@ -10,10 +10,9 @@ from services.learner.experiments.scenes import setting_for
 from services.learner.pretrain.everyday import has_new_word, writings
 from services.learner.pretrain.unheard import unheard_phrases, unheard_refusals
 from shared.evaluation.phrase import Said, Trial
-from shared.evaluation.scene import Setting
-from shared.evaluation.watch import ATTEMPT_STEPS
+from shared.evaluation.scene import ANYTHING, Setting
 from shared.intervals import rate
-from shared.workcell.skills import COMMANDS, parse
+from shared.workcell.skills import ATTEMPT_STEPS, COMMANDS, WAIT, parse
 
 MOST_LEAD = 5
 
@@ -35,6 +34,7 @@ def run(bench: Bench) -> Findings:
         "reworded": {**_figures(reworded), "new": by_new, "commands": by_command},
         "contrary": {
             **_figures(contrary),
+            "moving": _figures([one for one in contrary if one.expected != WAIT]),
             "did_the_obvious": rate([one.obvious in one.done for one in contrary]),
         },
         "outlandish": rate([bool(one.refused) for one in outlandish]),
@@ -89,7 +89,8 @@ class _Everyday:
         for writing in writings():
             for command, phrases in writing.said.items():
                 for number, phrase in enumerate(phrases[: bench.n]):
-                    setting = setting_for(parse(command), bench, number)
+                    held = writing.held.get(phrase, ANYTHING)
+                    setting = setting_for(parse(command), bench, number, held)
                     trial = Trial(setting=setting, phrase=phrase, expected=command)
                     writers.setdefault(trial, writing.name)
         refused = [text for writing in writings() for text in writing.refused[: bench.n]]
@@ -180,6 +181,7 @@ def _table(figures: dict[str, Any]) -> Table:
         ("reworded, read rightly", *_rate(figures["reworded"]["understood"])),
         ("reworded, refused", *_rate(figures["reworded"]["refused"])),
         ("contrary, achieved", cell(contrary), str(contrary["n"])),
+        ("contrary, without waits, achieved", *_rate(contrary["moving"])),
         ("contrary, the obvious done instead", *_rate(contrary["did_the_obvious"])),
         ("outlandish, refused", *_rate(outlandish)),
     )

@@ -22,7 +22,10 @@ def write(folder: Path, findings: Findings, about: dict[str, Any]) -> None:
 def describe(findings: Findings, about: dict[str, Any], pictures: list[str]) -> str:
     """The report as a page."""
     lines = [f"# {findings.title}", "", *findings.method, ""]
-    lines += [f"`{about['command']}`, {about['date']}, π_LL `{about['low_level_sha256'][:12]}`."]
+    policies = f"π_LL `{about['low_level_sha256'][:12]}`"
+    if about["high_level_sha256"]:
+        policies += f", π_HL {about['high_level']} `{about['high_level_sha256'][:12]}`"
+    lines += [f"`{about['command']}`, {about['date']}, at {about['site']}; {policies}."]
     for table in findings.tables:
         lines += ["", f"## {table.title}", "", *_table(table)]
     for plot, name in zip(findings.plots, pictures, strict=True):

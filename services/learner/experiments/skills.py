@@ -10,10 +10,9 @@ from services.learner.experiments.scenes import setting_for
 from shared.evaluation.attempts import skill_name
 from shared.evaluation.phrase import Said, Trial
 from shared.evaluation.summary import summarize
-from shared.evaluation.watch import ATTEMPT_STEPS
 from shared.intervals import rate
 from shared.workcell.site import site_names
-from shared.workcell.skills import SKILLS, Skill
+from shared.workcell.skills import ATTEMPT_STEPS, SKILLS, Skill
 
 
 def run(bench: Bench) -> Findings:

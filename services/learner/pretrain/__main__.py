@@ -35,7 +35,10 @@ class Bars:
 
 @app.command()
 def main(
-    out: Annotated[Path, typer.Option(help="Folder of stages and checkpoints; resumed if there.")],
+    out: Annotated[
+        Path,
+        typer.Option(file_okay=False, help="Folder of stages and checkpoints; resumed if there."),
+    ],
     scale: Annotated[str, typer.Option(help="small: minutes, to try it; full: hours.")] = "full",
     seed: Annotated[int, typer.Option(min=0, max=99, help="Of scenes, noise and weights.")] = 0,
     workers: Annotated[int, typer.Option(min=1, help="Processes that make data.")] = 2,

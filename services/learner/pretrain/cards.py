@@ -1,13 +1,17 @@
 """Model cards of what is trained here: the recipe in sentences, and what was measured."""
 
 from collections.abc import Sequence
+from datetime import UTC, datetime
 
 from services.learner.pretrain.scale import SCALES, Scale
 from shared.policies.checkpoint import Card, Figure
 from shared.policies.high_level import BASE_VERSION, HighLevel
 from shared.workcell.skills import COMMANDS
 
-DATE = "2026-11-26"
+
+def today() -> str:
+    """When a card is written."""
+    return datetime.now(UTC).date().isoformat()
 
 
 def _command(scale: Scale, seed: int) -> str:
@@ -23,7 +27,7 @@ def low_level(scale: Scale, seed: int, data_sha256: str) -> Card:
         name="low-level",
         title="Low level of the simulated ALOHA cell",
         version="1",
-        date=DATE,
+        date=today(),
         recipe=(
             "The scripted expert worked in the lab, on both tables, in random chains of skills and "
             "in tasks; at times things were missing or the plate stood elsewhere; arms were "
@@ -58,7 +62,7 @@ def high_level(scale: Scale, seed: int, data_sha256: str, policy: HighLevel) -> 
         name="high-level",
         title="High level of the simulated ALOHA cell, base",
         version=str(BASE_VERSION),
-        date=DATE,
+        date=today(),
         recipe=(
             *_demonstrated(scale),
             "A network that sees eighteen slots, reads the prompt word by word, feels its arms and "
@@ -90,7 +94,7 @@ def demonstrations(scale: Scale, seed: int, data_sha256: str) -> Card:
         name="demonstrations",
         title="Demonstrations from the lab, kept for replay",
         version=str(BASE_VERSION),
-        date=DATE,
+        date=today(),
         recipe=(
             *_demonstrated(scale),
             f"Whole episodes with at most {scale.replay:,} decisions were drawn, those with rare "

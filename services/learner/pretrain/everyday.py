@@ -9,21 +9,23 @@ import tomllib
 from collections.abc import Iterable
 from functools import cache
 from importlib import resources
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from services.learner.pretrain.lexicon import exam
 from shared.policies.phrase import words_of
 from shared.workcell.skills import COMMANDS
 
-REFUSE = "refuse"
+REFUSE, HELD = "refuse", "held"
 
 
 class Writing(NamedTuple):
-    """said: phrases of each command. refused: phrases to be refused."""
+    """said: phrases of each command. refused: phrases to be refused. held: by phrase the thing that
+    is in the hand, where it is named."""
 
     name: str
     said: dict[str, tuple[str, ...]]
     refused: tuple[str, ...]
+    held: dict[str, str]
 
 
 @cache
@@ -36,9 +38,9 @@ def writings() -> tuple[Writing, ...]:
     )
 
 
-def _writing(name: str, table: dict[str, list[str]]) -> Writing:
+def _writing(name: str, table: dict[str, Any]) -> Writing:
     said = {command: tuple(table[command]) for command in COMMANDS}
-    return Writing(name, said, tuple(table[REFUSE]))
+    return Writing(name, said, tuple(table[REFUSE]), dict(table.get(HELD, {})))
 
 
 def has_new_word(phrase: str) -> bool:

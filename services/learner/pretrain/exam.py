@@ -15,11 +15,10 @@ from shared.policies.low_level import LowLevel
 from shared.workcell import skills
 from shared.workcell.env import WorkcellEnv
 from shared.workcell.site import Site
+from shared.workcell.skills import ATTEMPT_STEPS
 
-ATTEMPT_STEPS = 120
 
-
-class Attempt(NamedTuple):
+class Tried(NamedTuple):
     """One thing tried: a skill's verb or a task's name, and whether it succeeded."""
 
     name: str
@@ -41,7 +40,7 @@ class Exam:
     phrases: dict[str, tuple[str, ...]]
 
 
-def try_skills(exam: Exam) -> list[Attempt]:
+def try_skills(exam: Exam) -> list[Tried]:
     """Random chains of skills, each with one attempt within `ATTEMPT_STEPS`."""
     low, attempts = LowLevel.load(exam.low_level), []
     env = WorkcellEnv(exam.site, max_steps=10**9)
@@ -59,11 +58,13 @@ def try_skills(exam: Exam) -> list[Attempt]:
             said = exam.phrases.get(skill.text) or (skill.text,)
             hand.obey(str(rng.choice(said)))
             meaningful = skill.verb == "pick" or bool(before.holding)
-            while taken < ATTEMPT_STEPS and not skills.achieved(skill, before, env.state):
+            achieved = False
+            while taken < ATTEMPT_STEPS and not achieved:
                 env.step(hand.move(env))
                 taken += 1
+                achieved = skills.achieved(skill, before, env.state)
             if meaningful:
-                attempts.append(Attempt(skill.verb, taken < ATTEMPT_STEPS, taken))
+                attempts.append(Tried(skill.verb, achieved, taken))
     return attempts
 
 
@@ -76,7 +77,7 @@ def figure(name: str, outcomes: Iterable[bool]) -> Figure:
     return Figure(name=name, value=round(value, 4), n=len(outcomes), interval=interval)
 
 
-def by_name(attempts: Iterable[Attempt], title: str) -> list[Figure]:
+def by_name(attempts: Iterable[Tried], title: str) -> list[Figure]:
     """One figure for each name, in the order of the names, which goes into `title`'s braces."""
     attempts = list(attempts)
     return [

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from services.learner.pretrain import cards
-from services.learner.pretrain.exam import Attempt, Exam, by_name, figure, try_skills
+from services.learner.pretrain.exam import Exam, Tried, by_name, figure, try_skills
 from services.learner.pretrain.reading_exam import final
 from services.learner.pretrain.reading_figures import HEARD, UNHEARD
 from services.learner.pretrain.stages import EXAM_SEED, PARTS, Pretraining
@@ -100,7 +100,7 @@ def _trials(pretraining: Pretraining, low_level: Path, high_level: Path) -> list
 
 
 def _by_task(rows: Sequence[Row], title: str) -> list[Figure]:
-    return by_name([Attempt(row.task, row.success, row.steps) for row in rows], title)
+    return by_name([Tried(row.task, row.success, row.steps) for row in rows], title)
 
 
 def _rows(pretraining: Pretraining, name: str, plan: Plan) -> list[Row]:

@@ -35,6 +35,8 @@ from shared.workcell.skills import (
     parse,
 )
 
+STOCKS = (KITCHEN, TABLE)
+
 
 class Studied:
     """An encoder that reads many sentences at once before they are asked for."""
@@ -103,7 +105,7 @@ class Examiner:
     def questions(self, each: int) -> list[Question]:
         """`each` questions of a kind about each thing, three times as many of what has none."""
         asked: list[Question] = []
-        for stock in (KITCHEN, TABLE):
+        for stock in STOCKS:
             names = [name for name in OBJECT_NAMES if name in stock]
             for kind, speaker in self._speakers.items():
                 for name in names * each:
@@ -117,7 +119,7 @@ class Examiner:
 
     def _commands(self, kind: str, speaker: Speaker, name: str, stock: Stock) -> list[Question]:
         """A pick, and every third time a put that names what is held."""
-        said = [speaker.pick(name)]
+        said = [speaker.pick(name, framed="verb" in kind)]
         if self._rng.random() < 1 / 3:
             said.append(speaker.put(self._target(stock), name))
         return [self._question(kind, one, stock, dress=True) for one in said]
@@ -162,6 +164,7 @@ class Examiner:
             Question("refuse: unknown thing", noun.unknown_thing(), stock),
             Question("refuse: unknown act", verb.unknown_act(name), stock),
             Question("refuse: unknown place", noun.unknown_place(), stock),
+            Question("refuse: beside a place", verb.beside_place(), stock),
             Question("refuse: other talk", verb.chat(), stock),
             Question("refuse: nothing named", known.pointing(), stock),
             Question("refuse: two things", known.two(name, other), stock),
@@ -201,22 +204,23 @@ def final(reader: Reader, each: int) -> dict[str, Any]:
 
 
 def everyday_questions() -> list[Question]:
-    """What people say, by writing, on each table where it can be done; and what must be refused."""
+    """What people say and what must be refused, by writing; each on one of the tables where it can
+    be done, on both in turn."""
     asked = []
     for writing in writings():
-        for stock in (KITCHEN, TABLE):
-            for command, phrases in writing.said.items():
-                skill = parse(command)
-                name = skill.object or skill.verb
-                if name in stock or name not in BODY_NAMES:
-                    asked += [
-                        Question(writing.name, Said(text, (), "", command), stock)
-                        for text in phrases
-                    ]
-            asked += [
-                Question(f"{writing.name}, impossible", Said(text, (), "", ""), stock)
-                for text in writing.refused
-            ]
+        for command, phrases in writing.said.items():
+            skill = parse(command)
+            for number, text in enumerate(phrases):
+                needs = {skill.object or skill.verb, writing.held.get(text, "")} & set(BODY_NAMES)
+                stocks = [stock for stock in STOCKS if needs.issubset(stock)]
+                said = Said(text, (), "", command)
+                asked.append(Question(writing.name, said, stocks[number % len(stocks)]))
+        asked += [
+            Question(
+                f"{writing.name}, impossible", Said(text, (), "", ""), (KITCHEN, TABLE)[at % 2]
+            )
+            for at, text in enumerate(writing.refused)
+        ]
     return asked
 
 
@@ -227,7 +231,7 @@ def main() -> None:
     parser.add_argument("--folds", type=int, nargs="+", default=list(range(FOLDS)))
     parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3], help="of the split")
     parser.add_argument("--each", type=int, default=2, help="questions of a kind about each thing")
-    parser.add_argument("--phrases", type=int, default=12_000, help="to learn from")
+    parser.add_argument("--phrases", type=int, default=24_000, help="to learn from")
     args = parser.parse_args()
     found = examine(args.folds, args.seeds, args.each, args.phrases)
     args.report.write_text(json.dumps(found, indent=1) + "\n")

@@ -49,7 +49,7 @@ class Scale(Settings):
     """
 
     low: tuple[LowRound, ...]
-    phrases: Count = 12_000
+    phrases: Count = 24_000
     expert_episodes: Count
     learned_episodes: Count
     expert_mistakes: float = 0.05

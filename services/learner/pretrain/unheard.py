@@ -64,7 +64,7 @@ def _of(skill: Skill, speakers: dict[str, Speaker]) -> list[Unheard]:
     told: dict[str, str] = {}
     for turn in range(TRIES):
         new = kinds[turn % len(kinds)]
-        said = _say(skill, speakers[new], placed=new != "verb")
+        said = _say(skill, speakers[new], placed=new != "verb", framed=new != "noun")
         said = said if turn % 2 else speakers[new].dressed(said)
         told.setdefault(said.text, new)
         if len(told) == EACH:
@@ -72,7 +72,7 @@ def _of(skill: Skill, speakers: dict[str, Speaker]) -> list[Unheard]:
     return [Unheard(text, new) for text, new in told.items()]
 
 
-def _say(skill: Skill, speaker: Speaker, placed: bool) -> Said:
+def _say(skill: Skill, speaker: Speaker, placed: bool, framed: bool) -> Said:
     if skill.object is not None:
-        return speaker.pick(skill.object)
+        return speaker.pick(skill.object, framed)
     return speaker.wait() if skill.verb == "wait" else speaker.put(skill.verb, placed=placed)

@@ -29,6 +29,12 @@ DIRECT = {"plate": 0.3, "bin": 0.3, "tub": 0.3, "down": 0.7}
 """How often a put is said without a place."""
 BARE = 0.15
 """How often a thing is just named, half of the time without "the"; and how often a place is."""
+AWAY = 0.3
+"""How often what is held shall be taken from a place."""
+FIXTURES = 0.15
+"""How often plate, bin or tub shall be picked up."""
+LOOKS = 0.3
+"""How often it is said how an unknown thing looks."""
 WHERE = " @ "
 """Between a thing and where it lies, until the phrase is put together."""
 
@@ -66,9 +72,9 @@ class Speaker:
         texts = (text for groups in things.things.values() for group in groups for text in group)
         self._called = {word for text in texts for word in words_of(text)} - set(COMMON)
 
-    def pick(self, thing: str) -> Said:
-        """A request to pick a thing up."""
-        if self._rng.random() < BARE:
+    def pick(self, thing: str, framed: bool = False) -> Said:
+        """A request to pick a thing up. framed: a verb is said, not just its name."""
+        if not framed and self._rng.random() < BARE:
             return self._said([(self._just(thing), THING)], "pick", pick(index(thing)))
         return self._said(self._framed("pick", self.named(thing)), "pick", pick(index(thing)))
 
@@ -116,8 +122,20 @@ class Speaker:
 
     def unknown_thing(self) -> Said:
         """A request to pick up what no robot here knows."""
-        noun = self._determined(self._any(self._things.others, "things"))
-        return self._said(self._framed("pick", noun), "pick", "")
+        return self._said(self._framed("pick", self._unknown()), "pick", "")
+
+    def unknown_held(self) -> Said:
+        """A request to put somewhere what no robot here can hold."""
+        place = self._name(self._things.places, str(self._rng.choice(list(_PUT))))
+        frame = self._any(self._acts.acts, NAMED["put"])
+        return self._said(_fill(frame, self._unknown(), place), "put", "")
+
+    def _unknown(self) -> str:
+        if self._rng.random() < FIXTURES:
+            return str(self._rng.choice(nouns(self._things.places)))
+        noun = self._any(self._things.others, "things")
+        look = self._any(self._things.others, "looks") if self._rng.random() < LOOKS else ""
+        return self._determined(f"{look} {noun}".strip())
 
     def unknown_act(self, thing: str) -> Said:
         """A request to do with a thing what no robot here can do."""
@@ -127,6 +145,14 @@ class Speaker:
     def unknown_place(self, named: str = "") -> Said:
         """A request to put what is held somewhere else."""
         place = self._any(self._things.places, "other")
+        frame = self._any(self._acts.acts, NAMED["put"] if named else "put")
+        return self._said(_fill(frame, self.named(named) if named else "", place), "put", "")
+
+    def beside_place(self, named: str = "") -> Said:
+        """A request to put what is held next to or under plate, bin or tub, or to take it away."""
+        noun = str(self._rng.choice(nouns(self._things.places)))
+        away = not named and self._rng.random() < AWAY
+        place = self._any(self._things.others, "removals" if away else "relations").format(noun)
         frame = self._any(self._acts.acts, NAMED["put"] if named else "put")
         return self._said(_fill(frame, self.named(named) if named else "", place), "put", "")
 
@@ -220,6 +246,17 @@ class Speaker:
         text = " ".join(" ".join(piece for piece, _ in pieces).split()).replace(" ,", ",")
         parts = tuple(part for piece, part in pieces for _ in words_of(piece))
         return Said(text, parts, act, meant)
+
+
+def nouns(places: Table) -> list[str]:
+    """What plate, bin and tub are called, without a preposition."""
+    names = [
+        text.partition(" ")
+        for verb in ("plate", "bin", "tub")
+        for group in places[verb]
+        for text in group
+    ]
+    return [noun for first, _, noun in names if first in PREPOSITIONS and noun.startswith("the ")]
 
 
 def _parted(piece: Piece) -> list[Piece]:

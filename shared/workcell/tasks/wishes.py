@@ -20,6 +20,7 @@ def words(text: str) -> list[str]:
 
 COLOURS = tuple(dict.fromkeys(item.colour for item in OBJECTS))
 _MEAT = frozenset({"ham"})
+_KINDS = {*KINDS, *COLOURS, "vegetarian", "meat"}
 _WORDS = {
     "vegetarian": "vegetarian",
     "veggie": "vegetarian",
@@ -37,9 +38,13 @@ _SIDES = {"left": -1.0, "right": 1.0}
 _EXCEPT = r"(?:but|except(?: for)?|without|no|not|leave|leaving|hold|skip|minus)"
 _NAMES = "|".join(OBJECT_NAMES)
 _NAMED = re.compile(rf"\b({_NAMES})e?s?\b")
+_FILL = r"(?:(?:what|that|which|those|things|anything|everything|the|any|is|are|no)(?:'s)?\s+)*"
+_KIND = rf"(?:{'|'.join((*_WORDS, *COLOURS, 'meat'))})\b(?!\s+(?:bin|box|tub|crate)\b)"
+_THING = rf"{_FILL}(?:(?:{'|'.join(COLOURS)})\s+)?(?:{_NAMES})e?s?\b"
+_THINGS = rf"{_FILL}{_KIND}(?:\s+(?:things?|ones?|items?)\b)?"
+_ONE = rf"(?:{_THING}|{_THINGS})"
 _LEFT_OUT = re.compile(
-    rf"\b{_EXCEPT}\s+(?:out\s+)?(?:the\s+)?((?:{_NAMES})e?s?"
-    rf"(?:(?:\s*,\s*(?:and\s+)?|\s+and\s+|\s+or\s+)(?:the\s+|no\s+)?(?:{_NAMES})e?s?)*)\b"
+    rf"\b(?:{_EXCEPT}\s+(?:out\s+)?|nothing\s+)({_ONE}(?:(?:\s*,\s*(?:and\s+)?|\s+(?:and|or)\s+){_ONE})*)"
 )
 _NOT_ON_A_SIDE = re.compile(
     rf"\b{_EXCEPT}\s+(?:(?:what|that|which|those|things|anything|everything|is|are|lies)(?:'s)?\s+)*"
@@ -52,7 +57,8 @@ _ORDINARY = frozenset(
         a all an any away back bag be big bin blue bottom box bus busy clean clear cleared could
         crate dinner everything fast favour first food for from full great grey guest guests
         have hello hey hi hold holds hungry i if in it item items job just kitchen leave leaving
-        left love lunch me middle minute moment more my napkins need needs next nice not nothing
+        left love lunch me meat middle minute moment more my napkins need needs next nice no not
+        nothing
         now ok one only or order other others out plain plate please put quick quickly rest
         right robot sandwich second side sides single slice slices small stack table task that
         the them then there these thing things this those to today top tub two us vegetables
@@ -69,23 +75,25 @@ class Wish:
 
     names: things that it names, in its order. traits: kinds or colours that a thing must have,
     one of each sort. sides: "left", "right", as seen at the start. but: things left out.
+    without: kinds or colours of things left out.
     """
 
     names: tuple[str, ...] = ()
     traits: tuple[str, ...] = ()
     sides: tuple[str, ...] = ()
     but: tuple[str, ...] = ()
+    without: tuple[str, ...] = ()
 
     @property
     def constrains(self) -> bool:
         """It says what fits, not what is wanted."""
-        return bool(self.traits or self.sides or self.but)
+        return bool(self.traits or self.sides or self.but or self.without)
 
     def fits(self, name: str) -> bool:
-        """Whether a thing has all traits, wherever it lies."""
-        item = OBJECTS[OBJECT_NAMES.index(name)]
-        has = {item.kind, item.colour} | (set() if name in _MEAT else {"vegetarian"})
-        return name not in self.but and all(trait in has for trait in self.traits)
+        """Whether a thing has all traits and is not left out, wherever it lies."""
+        has = _traits(name)
+        left_out = name in self.but or bool(has.intersection(self.without))
+        return not left_out and has.issuperset(self.traits)
 
     def things(self, stock: Stock, state: CellState | None = None) -> tuple[str, ...]:
         """The things of a stock that it wishes: those that it names, or all that fit.
@@ -117,7 +125,8 @@ def read(prompt: str) -> Wish:
         raise UnknownPrompt(
             f"{found.group()!r}: a side can't be left out; name the other side, or the things"
         )
-    but = tuple(name for found in _LEFT_OUT.findall(text) for name in _NAMED.findall(found))
+    left_out = " , ".join(_LEFT_OUT.findall(text))
+    but, without = tuple(_NAMED.findall(left_out)), _kinds(re.sub(_THING, " ", left_out))
     kept = _LEFT_OUT.sub(" ", text)
     names = tuple(_NAMED.findall(kept))
     traits = tuple(dict.fromkeys(_WORDS[word] for word in words(kept) if word in _WORDS))
@@ -130,7 +139,19 @@ def read(prompt: str) -> Wish:
     _refuse_strangers(text)
     if "vegetarian" in traits and _MEAT.intersection(names):
         raise UnknownPrompt(f"{prompt!r} asks for meat in something vegetarian: leave out either")
-    return Wish(names, traits + tuple(dict.fromkeys(colours)), sides, but)
+    return Wish(names, traits + tuple(dict.fromkeys(colours)), sides, but, without)
+
+
+def _kinds(text: str) -> tuple[str, ...]:
+    """The kinds and colours that a text names."""
+    kinds = (_WORDS.get(word, word) for word in words(text))
+    return tuple(dict.fromkeys(kind for kind in kinds if kind in _KINDS))
+
+
+def _traits(name: str) -> set[str]:
+    """A thing's kind and colour, and whether it is of meat."""
+    item = OBJECTS[OBJECT_NAMES.index(name)]
+    return {item.kind, item.colour, "meat" if name in _MEAT else "vegetarian"}
 
 
 def _refuse_strangers(text: str) -> None:

@@ -33,7 +33,13 @@ def made(tmp_path_factory):
 
 def test_a_tiny_run_reports_every_arm(made, tmp_path):
     _, _, found = made
-    about = {"command": "x", "date": "2026-11-26", "low_level_sha256": "f" * 64}
+    about = {
+        "command": "x",
+        "date": "2026-11-26",
+        "site": "lab",
+        "low_level_sha256": "f" * 64,
+        "high_level_sha256": None,
+    }
     report.write(tmp_path, found, about)
     told = json.loads((tmp_path / "report.json").read_text())["figures"]
     assert set(told["lengths"]["4"]) == set(TITLES)

@@ -61,12 +61,14 @@ def test_a_half_written_last_row_is_done_again_and_the_file_is_whole_after_it(tm
     assert pool.jobs == [1, 2, 2]
 
 
-def test_rows_of_another_plan_are_cleared_away(tmp_path):
+def test_rows_of_another_plan_are_moved_aside(tmp_path):
     file, pool = tmp_path / "rows.jsonl", Here()
     run(pool, file, [1, 2])
     run(pool, file, [1], note="b")
-    assert pool.jobs == [1, 2, 1]
-    assert len(file.read_text().splitlines()) == 1
+    run(pool, file, [1], note="a")
+    assert pool.jobs == [1, 2, 1, 1]
+    kept = [file, tmp_path / "rows.old-1.jsonl", tmp_path / "rows.old-2.jsonl"]
+    assert [len(one.read_text().splitlines()) for one in kept] == [1, 2, 1]
 
 
 @pytest.mark.parametrize("broken_after", [0, 1, 4])

@@ -2,10 +2,10 @@
 
 import pytest
 
-from shared.evaluation.watch import ATTEMPT_STEPS, Watch, mistake
+from shared.evaluation.watch import Watch, mistake
 from shared.workcell import expert
 from shared.workcell.env import WorkcellEnv
-from shared.workcell.skills import parse, pick
+from shared.workcell.skills import ATTEMPT_STEPS, parse, pick
 
 
 class Episode:

@@ -6,7 +6,14 @@ from services.learner.experiments import report
 from services.learner.experiments.findings import Findings, Panel, Plot, Table, cell, curve
 from shared.intervals import rate
 
-ABOUT = {"command": "hld experiment x --out y", "date": "2026-11-26", "low_level_sha256": "f" * 64}
+ABOUT = {
+    "command": "hld experiment x --out y",
+    "date": "2026-11-26",
+    "site": "lab",
+    "low_level_sha256": "f" * 64,
+    "high_level": "base",
+    "high_level_sha256": "e" * 64,
+}
 
 
 def findings():
@@ -31,7 +38,8 @@ def test_the_report_is_the_same_for_machines_and_for_people_with_a_picture(tmp_p
     assert (content["schema"], content["pictures"]) == (1, ["curves.svg"])
     page = (tmp_path / "report.md").read_text()
     assert "| 2 | 0.50 (0.09 to 0.91) |" in page
-    assert "`hld experiment x --out y`, 2026-11-26" in page
+    assert "`hld experiment x --out y`, 2026-11-26, at lab; " in page
+    assert f"π_LL `{'f' * 12}`, π_HL base `{'e' * 12}`." in page
     assert "![Curves](curves.svg)" in page
     assert "<svg" in (tmp_path / "curves.svg").read_text()
 

@@ -94,6 +94,14 @@ def senses(seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
     return proprioception.astype(np.float32), objects.astype(np.float32)
 
 
+def gripping(thing: int) -> tuple[np.ndarray, np.ndarray]:
+    """The same with the left hand closed around a thing."""
+    body, objects = senses()
+    body[6] = 0.03
+    objects[thing, :3] = body[14:17]
+    return body, objects
+
+
 def coloured(count: int, seed: int = 0) -> Examples:
     """Pictures whose colour tells the right command; the prompt and the history say nothing."""
     rng = np.random.default_rng(seed)

@@ -7,7 +7,8 @@ from shared.messages.goal import LanguageGoal
 from shared.policies import checkpoint, examples
 from shared.policies.high_level import BASE_VERSION, HighLevel
 from shared.policies.low_level import LowLevel
-from tests.unit.policies.scenes import observation, senses
+from shared.workcell.objects import OBJECT_NAMES
+from tests.unit.policies.scenes import gripping, observation, senses
 
 
 @pytest.mark.parametrize("name", ["low_level", "high_level", "demonstrations"])
@@ -25,6 +26,22 @@ def test_the_bundled_low_level_acts() -> None:
     low_level = LowLevel.load(checkpoint.bundled("low_level"))
     chunk = low_level.act(*senses(), LanguageGoal(text="wait"))
     assert np.isfinite(chunk).all()
+
+
+@pytest.mark.parametrize(
+    ("text", "objection"),
+    [
+        ("drop the cheddar in the bin", ""),
+        ("throw it away", ""),
+        ("drop the ham in the bin", "what it names is not what is in the hand"),
+        ("pick up the ham", ""),
+    ],
+)
+def test_what_is_to_be_put_must_be_what_is_held(text: str, objection: str) -> None:
+    low_level = LowLevel.load(checkpoint.bundled("low_level"))
+    body, objects = gripping(OBJECT_NAMES.index("cheese"))
+    why = low_level.objection(LanguageGoal(text=text), objects, body)
+    assert why == "" if not objection else objection in why
 
 
 def test_the_bundled_high_level_proposes() -> None:

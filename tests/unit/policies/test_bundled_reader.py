@@ -109,14 +109,28 @@ def test_opposites_are_not_confused(reader: Reader, before: str) -> None:
         "do a backflip", "please sing a song", "wash the cup", "pick up the banana",
         "put it in the oven", "put it on the left", "put it on the right",
         "pick up the cup and the bowl", "move left", "don't pick up the cup", "asdf qwer",
+        "put it next to the plate", "put it under the bin", "take it out of the bin",
+        "anything but the cup", "pick up the purple dragon", "put the banana in the bin",
+        "close your hand",
     ],
 )  # fmt: skip
 def test_what_nobody_here_can_do_is_refused_with_the_nearest(reader: Reader, text: str) -> None:
     reading = reader.read(text, DISHES)
     assert reading.command is None
-    near = [text for text, _ in reader.nearest(reading.scores, DISHES)]
+    near = [text for text, _ in reader.nearest(text, DISHES)]
     assert len(near) == 3
     assert not {"pick up the cheese", "pick up the ham"} & set(near)
+
+
+def test_nearest_to_a_command_about_what_is_missing_is_what_it_is_like(reader: Reader) -> None:
+    near = dict(reader.nearest("put it in the tub", FOOD, empty=False))
+    assert PUT_IN_TUB not in near
+    assert any(near.values())
+    assert not set(dict(reader.nearest("put it in the bin", FOOD, empty=True))) & {
+        PUT_IN_BIN,
+        PUT_DOWN,
+        PUT_ON_PLATE,
+    }
 
 
 def test_commands_as_they_are_need_no_encoder(reader: Reader) -> None:

@@ -14,7 +14,7 @@ from shared.policies.geometry import OBJECTS
 from shared.policies.low_level import LowLevel, build
 from shared.policies.low_net import squash, targets
 from shared.policies.tokens import BODY_FEATURES, TOKEN_FEATURES
-from tests.unit.policies.scenes import Letters, low_net, senses, words
+from tests.unit.policies.scenes import Letters, gripping, low_net, senses, words
 
 WAIT = LanguageGoal(text="wait")
 
@@ -97,6 +97,25 @@ def test_what_it_cannot_do_it_objects_to_naming_what_it_can(
 ) -> None:
     why = LowLevel(low_net(), words()).objection(LanguageGoal(text=text), objects)
     assert why == "" if not objection else objection in why
+
+
+@pytest.mark.parametrize(
+    ("thing", "text", "objection"),
+    [
+        (2, "put it down", ""),
+        (2, "pick up the ham", ""),
+        (None, "pick up the ham", ""),
+        (None, "put it down", "since nothing is in the hands; nearest: '"),
+    ],
+)
+def test_a_persons_word_is_also_about_what_is_in_the_hands(
+    thing: int | None, text: str, objection: str
+) -> None:
+    body, objects = senses() if thing is None else gripping(thing)
+    low_level, goal = LowLevel(low_net(), words()), LanguageGoal(text=text)
+    why = low_level.objection(goal, objects, body)
+    assert why == "" if not objection else objection in why
+    assert low_level.objection(goal, objects) == ""  # A high level's mistake is to be seen.
 
 
 def test_it_stands_still_for_what_it_objects_to() -> None:

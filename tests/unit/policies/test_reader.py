@@ -25,6 +25,16 @@ def test_a_phrase_is_taken_apart_into_what_to_do_with_what_and_where() -> None:
     assert apart.places == ("in the bin",)
 
 
+def test_next_to_and_the_like_belong_to_the_place_that_follows() -> None:
+    words = ["put", "it", "next", "to", "the", "plate"]
+    apart = take_apart(words, [ACT, ACT, ACT, PLACE, PLACE, PLACE])
+    assert (apart.frame, apart.places) == ("put it to that place", ("next to the plate",))
+    apart = take_apart(["put", "it", "on", "the", "right"], [ACT, ACT, PLACE, PLACE, ACT])
+    assert (apart.frame, apart.places) == ("put it to that place", ("on the right",))
+    apart = take_apart(["put", "that", "on", "next"], [ACT] * 4)
+    assert apart.frame == "put that on next"
+
+
 def test_things_told_as_one_are_told_one_by_one_and_pointing_words_are_no_thing() -> None:
     words = words_of("take the cup and the bowl")
     assert take_apart(words, [ACT, *[THING] * 5]).things == ("cup", "bowl")
@@ -83,7 +93,7 @@ def test_what_means_nothing_is_refused_with_the_nearest_that_is_possible(text: s
     reader = scenes.words()
     reading = reader.read(text, KITCHEN_ONLY)
     assert reading.command is None
-    near = reader.nearest(reading.scores, KITCHEN_ONLY)
+    near = reader.nearest(text, KITCHEN_ONLY)
     assert len(near) == 3
     assert {text for text, _ in near} <= {
         text for text, can in zip(COMMANDS, reader.possible(KITCHEN_ONLY), strict=True) if can

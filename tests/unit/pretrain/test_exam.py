@@ -1,12 +1,12 @@
 """Rates and their intervals."""
 
-from services.learner.pretrain.exam import Attempt, by_name, figure
+from services.learner.pretrain.exam import Tried, by_name, figure
 from services.learner.pretrain.figures import roll_out
 from shared.evaluation.plan import Plan
 
 
 def test_attempts_are_counted_by_name() -> None:
-    tried = [Attempt("pick", True, 5), Attempt("bin", False, 120), Attempt("pick", False, 120)]
+    tried = [Tried("pick", True, 5), Tried("bin", False, 120), Tried("pick", False, 120)]
     figures = by_name(tried, "skill {}")
     assert [(found.name, found.value, found.n) for found in figures] == [
         ("skill bin", 0.0, 1),

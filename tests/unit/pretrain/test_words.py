@@ -44,6 +44,16 @@ def test_the_thing_that_is_not_meant_is_told_apart() -> None:
         assert said.meant == "pick up the cup"
 
 
+def test_what_lies_beside_a_place_is_none_and_named_things_stay_where_they_are() -> None:
+    drawer, _ = speaker()
+    removals = {text.split()[0] for group in KNOWN.others["removals"] for text in group}
+    for named in ("", "cup") * 30:
+        said = drawer.beside_place(named)
+        place = take_apart(words_of(said.text), said.parts).places[0]
+        assert (said.act, said.meant) == ("put", "")
+        assert not named or place.split()[0] not in removals
+
+
 def test_courtesy_is_only_added() -> None:
     drawer, _ = speaker()
     plain = drawer.wait()

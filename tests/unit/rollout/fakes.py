@@ -97,8 +97,10 @@ class EchoingLowLevel:
         del proprioception, objects, goal
         return 0.0
 
-    def objection(self, goal: Goal, objects: np.ndarray) -> str:
-        del goal, objects
+    def objection(
+        self, goal: Goal, objects: np.ndarray, proprioception: np.ndarray | None = None
+    ) -> str:
+        del goal, objects, proprioception
         return ""
 
 
@@ -123,8 +125,10 @@ class KnowingLowLevel(EchoingLowLevel):
         self.asked.append(int(proprioception[0]))
         return self.achieved(self.asked[-1], goal.text) if self.achieved else 0.0
 
-    def objection(self, goal: Goal, objects: np.ndarray) -> str:
-        del objects
+    def objection(
+        self, goal: Goal, objects: np.ndarray, proprioception: np.ndarray | None = None
+    ) -> str:
+        del objects, proprioception
         if self.knows is None or goal.text in self.knows:
             return ""
         return f"I don't know how to {goal.text}; I know: {', '.join(self.knows)}"

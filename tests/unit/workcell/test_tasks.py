@@ -68,6 +68,22 @@ def test_a_number_of_skills_that_a_task_cannot_take_is_refused_with_those_that_i
         ),
         ("clear only the dishes but leave the glass", ("cup", "bowl", "saucer")),
         ("clear away everything red", ("cup", "can")),
+        ("clear everything but the dishes", ("can", "wrapper", "carton", "napkin")),
+        (
+            "clear the table, not the red things",
+            ("bowl", "glass", "saucer", "wrapper", "carton", "napkin"),
+        ),
+        ("clear everything except the dishes and the can", ("wrapper", "carton", "napkin")),
+        ("pack everything that is not vegetarian into the bin", ("ham",)),
+        (
+            "make a sandwich without meat",
+            ("bread", "cheese", "lettuce", "tomato", "onion", "toast"),
+        ),
+        ("make a sandwich with ham but no tomato", ("bread", "ham", "toast")),
+        (
+            "clear the table, not the red cup",
+            ("bowl", "glass", "saucer", "can", "wrapper", "carton", "napkin"),
+        ),
         ("bus the table", ("cup", "bowl", "glass", "saucer", "can", "wrapper", "carton", "napkin")),
     ],
 )
