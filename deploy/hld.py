@@ -53,7 +53,7 @@ def up(
         Optional[Path], typer.Option(dir_okay=False, help="write the figures here, as JSON")
     ] = None,
     site: Annotated[str, typer.Option(help="settings file of the cell")] = "far",
-    tasks: Annotated[str, typer.Option(help="taken in turn")] = "sandwich,pack,bus",
+    tasks: Annotated[str, typer.Option(help="taken in turn; all, unless some are named")] = "",
     pace: Annotated[Optional[str], typer.Option(help="real-time or lockstep")] = None,
     seed: Annotated[int, typer.Option(min=0, max=10_000)] = 0,
     port: Annotated[int, typer.Option(min=1, max=65535, help="of the page")] = 8000,
@@ -66,6 +66,7 @@ def up(
 ) -> None:
     """Start router, learner, API and robots on this machine; end them all at Ctrl-C."""
     from deploy.up import Plan, run
+    from shared.workcell.tasks import TASKS
 
     plan = Plan(
         oracle=oracle,
@@ -75,7 +76,7 @@ def up(
         evaluate=evaluate,
         report=report,
         site=site,
-        tasks=tuple(tasks.split(",")),
+        tasks=tuple(tasks.split(",")) if tasks else tuple(TASKS),
         pace=pace or ("lockstep" if oracle else "real-time"),
         seed=seed,
         port=port,

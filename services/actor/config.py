@@ -10,6 +10,7 @@ from shared.config import Settings
 from shared.messages.message import Id
 from shared.rollout.settings import RolloutSettings
 from shared.wire.bus import BusSettings
+from shared.workcell.tasks import TASKS
 
 
 class Pace(StrEnum):
@@ -55,7 +56,7 @@ class ActorSettings(Settings):
     robots: Annotated[tuple[Id, ...], Field(min_length=1)] = ("robot-1",)
     kind: str = "workcell"
     first_index: Annotated[int, Field(ge=0, le=999)] = 0
-    tasks: Annotated[tuple[Id, ...], Field(min_length=1)] = ("sandwich", "pack", "bus")
+    tasks: Annotated[tuple[Id, ...], Field(min_length=1)] = tuple(TASKS)
     site: str = "far"
     skills: Annotated[int, Field(ge=1, le=64)] | None = None
     pace: Pace = Pace.REAL_TIME

@@ -46,6 +46,7 @@ class Row(_Kept):
     asked: decisions by why π_HL was asked. wrong: decisions that put in force, or kept there, what
     was not right at that moment.
     failure: what went wrong first, in an episode that failed; failed_step: when.
+    diverged: steps of physics that were taken back; see `Cell.diverged`.
     """
 
     seed: int
@@ -58,6 +59,7 @@ class Row(_Kept):
     wrong: int = 0
     failure: str = ""
     failed_step: int = -1
+    diverged: int = 0
     attempts: tuple[Attempt, ...] = ()
     low_level_sha256: str
 

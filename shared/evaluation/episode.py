@@ -79,7 +79,7 @@ class Evaluator:
     def __call__(self, case: Case) -> Row:
         """Roll out one episode."""
         scene = self._station.reset(case.seed, case.task, None)
-        watch = Watch(self._station.env, self._meant)
+        watch, diverged = Watch(self._station.env, self._meant), self._station.env.cell.diverged
         rollout = Rollout(
             self._station,
             self._high_level,
@@ -109,6 +109,7 @@ class Evaluator:
             wrong=watch.wrong,
             failure=watch.failure,
             failed_step=watch.failed_step,
+            diverged=self._station.env.cell.diverged - diverged,
             attempts=attempts,
             low_level_sha256=self._low_level.fingerprint(),
         )

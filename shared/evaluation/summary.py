@@ -5,8 +5,9 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from shared.evaluation.attempts import SKILL_NAMES, Attempt, Row
-from shared.evaluation.plan import Plan
+from shared.evaluation.plan import ORACLE, Plan
 from shared.intervals import rate
+from shared.policies.checkpoint import load_card
 
 SCHEMA = 2
 
@@ -17,6 +18,9 @@ def report(plan: Plan, rows: Iterable[Row], high_level: str, command: str) -> di
     return {
         "schema": SCHEMA,
         "high_level": high_level,
+        "high_level_sha256": None
+        if plan.high_level == ORACLE
+        else load_card(plan.high_level_folder()).tensors_sha256,
         "site": plan.site,
         "length": plan.skills,
         "seeds": f"{first}:{end}",
@@ -29,7 +33,8 @@ def summarize(rows: Iterable[Row]) -> dict[str, Any]:
     """Success by task and by skill, what went wrong first, and what it took.
 
     steps, decisions, wrong_decisions: means over the episodes, a decision being a query of π_HL.
-    failures: of the episodes that failed, how many by what went wrong first.
+    failures: of the episodes that failed, how many by what went wrong first. diverged: steps of
+    physics that were taken back.
     """
     rows = sorted(rows, key=lambda row: (row.seed, row.task))
     by_task = {task: [row for row in rows if row.task == task] for task in _tasks(rows)}
@@ -38,6 +43,7 @@ def summarize(rows: Iterable[Row]) -> dict[str, Any]:
         "tasks": {task: _figures(some) for task, some in by_task.items()},
         "skills": skill_rates(attempt for row in rows for attempt in row.attempts),
         "asked": dict(sum((Counter(row.asked) for row in rows), Counter[str]()).most_common()),
+        "diverged": sum(row.diverged for row in rows),
         "low_level_sha256": sorted({row.low_level_sha256 for row in rows}),
     }
 

@@ -14,6 +14,7 @@ _JOINING = frozenset(("and", "or", "plus"))
 _POINTING = frozenset(("it", "that", "this", "the", "them", "one"))
 _RELATING = frozenset(("on", "in", "into", "onto", "next", "under", "behind", "beside", "near"))
 """Right before a place they belong to it."""
+_ASKING = frozenset(("can", "could", "would", "will"))
 _ARTICLES = frozenset(("the", "a", "an", "my", "your", "its"))
 _DETERMINERS = frozenset(
     ("the", "a", "an", "that", "this", "these", "those", "my", "your", "some", "one", "of")
@@ -62,14 +63,19 @@ def take_apart(words: Sequence[str], parts: Sequence[int]) -> Parts:
 
 
 def _related(words: Sequence[str], parts: Sequence[int]) -> list[int]:
-    """The parts, "next to" and the like together with their place, which ends in no article."""
+    """The parts, put right where words belong together: an article to what follows it, which also
+    a place must have; "next to" and the like to the place that follows; "can you" is courtesy."""
     told = list(parts)
     for at in range(len(told) - 1):
         if told[at] == PLACE and told[at + 1] in (ACT, FILLER) and words[at] in _ARTICLES:
             told[at + 1] = PLACE
+        if told[at] == ACT and words[at] in _ASKING and words[at + 1] == "you":
+            told[at : at + 2] = FILLER, FILLER
     for at in reversed(range(len(told) - 1)):
         if told[at] == ACT and told[at + 1] == PLACE and words[at] in _RELATING:
             told[at] = PLACE
+        if words[at] in _ARTICLES and told[at + 1] in (THING, CONTRAST):
+            told[at] = told[at + 1]
     return told
 
 

@@ -16,10 +16,10 @@ from services.learner.pretrain.demonstrate import draw
 from shared.goals.language.encoder import Encoder
 from shared.policies.reading import read_words
 from shared.policies.wishes import WISH, Words
-from shared.workcell.objects import COUNT, OBJECT_NAMES, OBJECTS
+from shared.workcell.objects import BIN, COUNT, OBJECT_NAMES, PLATE, TUB
 from shared.workcell.tasks import TASKS, understand
 
-PLACES = ("sandwich", "bin", "tub")
+PLACES = (PLATE, BIN, TUB)
 ORDERS = 8
 SKIPPED = -100
 
@@ -57,15 +57,9 @@ def meanings_of(prompts: Sequence[str]) -> Meanings:
         if brief.ordered:
             order[row, items] = range(len(items))
         for item in items:
-            place[row, item] = PLACES.index(_place(brief.task, item))
+            place[row, item] = PLACES.index(TASKS[brief.task].home(item))
     parts = torch.from_numpy(wished).float(), torch.from_numpy(told)
     return Meanings(*parts, torch.from_numpy(order), torch.from_numpy(place))
-
-
-def _place(task: str, item: int) -> str:
-    if task == "sandwich":
-        return task
-    return "tub" if task == "bus" and OBJECTS[item].kind == "dish" else "bin"
 
 
 class Reader(nn.Module):

@@ -85,6 +85,9 @@ class Task(Protocol):
     def lengths(self) -> range:
         """How many skills an episode can be asked to take."""
 
+    def home(self, item: int) -> int:
+        """The row of the body that an object goes to if it is wished: plate, bin or tub."""
+
     def sample(self, rng: np.random.Generator, draw: Draw = USUAL) -> Brief:
         """Draw a wish; `Brief.settle` completes it. Raises: InvalidLength, naming the lengths."""
 

@@ -31,6 +31,8 @@ def test_next_to_and_the_like_belong_to_the_place_that_follows() -> None:
     assert (apart.frame, apart.places) == ("put it to that place", ("next to the plate",))
     apart = take_apart(["put", "it", "on", "the", "right"], [ACT, ACT, PLACE, PLACE, ACT])
     assert (apart.frame, apart.places) == ("put it to that place", ("on the right",))
+    apart = take_apart(["the", "bread", "can", "you"], [PLACE, THING, ACT, ACT])
+    assert (apart.frame, apart.things) == ("the object", ("bread",))
     apart = take_apart(["put", "that", "on", "next"], [ACT] * 4)
     assert apart.frame == "put that on next"
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from shared.workcell import skills
 from shared.workcell.errors import UnknownPrompt
-from shared.workcell.objects import KITCHEN, index
+from shared.workcell.objects import KITCHEN, PLATE, index
 from shared.workcell.state import CellState, astray_on_plate, held_object, stack_on_plate
 from shared.workcell.tasks import manners
 from shared.workcell.tasks.drawing import Constraint, check, constrain, constrained
@@ -39,6 +39,11 @@ class Sandwich(Commanding):
 
     name = "sandwich"
     lengths = range(4, 2 * (len(FILLINGS) + 2) + 1, 2)
+
+    def home(self, item: int) -> int:
+        """All goes onto the plate."""
+        del item
+        return PLATE
 
     def sample(self, rng: np.random.Generator, draw: Draw = USUAL) -> Brief:
         """Draw the fillings and the words."""
