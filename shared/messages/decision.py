@@ -58,7 +58,8 @@ def entropy(proposals: Sequence[Proposal]) -> float:
     """How undecided a high level is, in nats: at least so much.
 
     Scores that sum to less than 1 leave a rest for goals that are not among the proposals; each of
-    those counts as no more probable than the last that is.
+    those counts as no more probable than the last that is, which holds as far as the most
+    probable ones were proposed: a beam search may miss one.
     """
     scores = [proposal.score for proposal in proposals if proposal.score > 0]
     known = -sum(score * math.log(score) for score in scores)

@@ -60,5 +60,5 @@ FULL = BaselineSettings(
     fit=FitSettings(steps=4000, batch=64),
     slice=1000,
     seeds=3,
-    lengths=(2, 4, 6, 8),
+    lengths=(4, 8, 12),
 )

@@ -93,6 +93,8 @@ def _notes(settings: BaselineSettings, outcomes: dict[int, dict[str, Outcomes]])
         "No p is corrected for there being several.",
         "Every arm's policies come from these demonstrations alone; the π_LL that is named above, "
         "which comes with the project, is none of them.",
+        "Flat and latent goals learn from actions alone, without the labels that the other two "
+        "have: that is what they are without words. Flat sees no earlier looks either.",
     ]
     if settings.seeds == 1:
         notes.append("One training seed: this says nothing of others.")

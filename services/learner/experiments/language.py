@@ -43,8 +43,8 @@ def run(bench: Bench) -> Findings:
         title="Language: what is said is done",
         method=(
             "Everyday: phrases for each command by several writers who had not seen what was "
-            "taught (what was missed in them has been taught since), with other verbs and "
-            "nouns, in other orders, with courtesy and protest; each "
+            "taught, with other verbs and nouns, in other orders, with courtesy and protest; what "
+            "was missed in them has been taught since, except those held out; each "
             f"is said in one scene; success is that it was achieved within {ATTEMPT_STEPS} steps, "
             "or refused where no robot here can obey.",
             "Reworded: a sentence for a command, with a verb or a noun or both that the low level "
@@ -106,12 +106,20 @@ class _Everyday:
             )
             for name in dict.fromkeys(self._writers)
         }
+        held_out = {writing.name for writing in writings() if writing.held_out}
+        sealed = {text for writing in writings() if writing.held_out for text in writing.refused}
         return {
             **_figures(self._said),
             "writings": by_writing,
+            "held_out": _figures(
+                [one for one, its in zip(self._said, self._writers, strict=True) if its in held_out]
+            ),
             "new_word": _figures([one for one in self._said if has_new_word(one.phrase)]),
             "commands": _by_expected(self._said),
             "impossible": rate([bool(one.refused) for one in self._refused]),
+            "impossible_held_out": rate(
+                [bool(one.refused) for one in self._refused if one.phrase in sealed]
+            ),
         }
 
 
@@ -164,7 +172,10 @@ def _table(figures: dict[str, Any]) -> Table:
     contrary, outlandish = figures["contrary"], figures["outlandish"]
     everyday = figures["everyday"]
     rows = (
-        ("everyday, achieved", *_rate(everyday)),
+        ("everyday, held out, achieved", *_rate(everyday["held_out"])),
+        ("everyday, held out, read rightly", *_rate(everyday["held_out"]["understood"])),
+        ("everyday, held out, impossible, refused", *_rate(everyday["impossible_held_out"])),
+        ("everyday, all, achieved", *_rate(everyday)),
         *(
             (f"everyday, writing {name}, achieved", *_rate(found))
             for name, found in everyday["writings"].items()

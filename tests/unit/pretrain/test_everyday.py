@@ -1,0 +1,24 @@
+"""The writings are whole: each command has phrases, and what is held is named by one of them."""
+
+import pytest
+
+from services.learner.pretrain.everyday import Writing, writings
+from shared.workcell.objects import OBJECT_NAMES
+from shared.workcell.skills import COMMANDS, PUTS
+
+
+@pytest.mark.parametrize("writing", writings(), ids=lambda writing: writing.name)
+def test_a_writing_has_phrases_for_each_command_and_says_what_is_held(writing: Writing) -> None:
+    assert tuple(writing.said) == COMMANDS
+    assert min(map(len, writing.said.values())) >= 10
+    assert len(writing.refused) >= 60
+    puts = {text for command in PUTS for text in writing.said[command]}
+    assert writing.held.keys() <= puts
+    assert set(writing.held.values()) <= set(OBJECT_NAMES)
+
+
+def test_one_writing_at_least_is_held_out() -> None:
+    assert {writing.name for writing in writings() if writing.held_out} < {
+        writing.name for writing in writings()
+    }
+    assert any(writing.held_out for writing in writings())
