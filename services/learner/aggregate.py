@@ -13,7 +13,7 @@ import hashlib
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from enum import StrEnum
-from typing import Annotated, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 from pydantic import Field
 
@@ -27,11 +27,18 @@ class LabelSettings(Settings):
     """How words become labels.
 
     before_steps: control steps before what a person objected to, in which nothing is a target
-        that nobody judged.
+        that nobody judged: it may already have been wrong.
+    before: what becomes of those decisions, up to the step at which the override took effect.
+        mask: no label; relabel: the override's goal, with `before_weight`.
+    anticipate_steps: a decision is labelled with what was in force so many steps later, since a
+        π_HL that takes so long to answer must say it so much sooner.
     approval_weight: of a decision that was approved; an override has weight 1.
     """
 
     before_steps: Annotated[int, Field(ge=0, le=10_000)] = 25
+    before: Literal["mask", "relabel"] = "mask"
+    before_weight: Annotated[float, Field(gt=0, le=10)] = 0.5
+    anticipate_steps: Annotated[int, Field(ge=0, le=1_000)] = 0
     approval_weight: Annotated[float, Field(ge=0, le=10)] = 1.0
 
 
@@ -39,11 +46,13 @@ class Ground(StrEnum):
     """Why a decision has its label.
 
     objected: an override was given for this very decision. held: an override was in force.
+    before: an override was on its way; see `LabelSettings.before`.
     approved: a person said it was right. released: a person let the high level have its way.
     """
 
     OBJECTED = "objected"
     HELD = "held"
+    BEFORE = "before"
     APPROVED = "approved"
     RELEASED = "released"
 
@@ -74,6 +83,13 @@ class _Word(NamedTuple):
     def order(self) -> tuple[int, int, str]:
         """By when the robot heard it; a later word replaces an earlier one."""
         return (self.receipt.time_ns, self.begin, self.correction.id)
+
+
+class _Before(NamedTuple):
+    """The steps before an override in which what held had already been objected to."""
+
+    steps: range
+    word: _Word
 
 
 class _Hold(NamedTuple):
@@ -137,16 +153,15 @@ def _judge(
     heads: Sequence[DecisionHead], words: Sequence[_Word], end: int, settings: LabelSettings
 ) -> list[Label]:
     holds = _holds(words, end)
-    masks = _masks(words, settings.before_steps)
+    befores = _befores(words, settings.before_steps)
     verdicts = _verdicts(words)
     labels = []
     for head in heads:
         word = verdicts.get(head.id)
-        label = (
-            _direct(head, word, settings)
-            if word and word.correction.kind is not Kind.APPROVE
-            else _held(head, holds, masks) or (_direct(head, word, settings) if word else None)
-        )
+        label = _held(head, holds, befores, settings)
+        approved = word is not None and word.correction.kind is Kind.APPROVE
+        if word and (not approved or label is None or label.ground is Ground.BEFORE):
+            label = _direct(head, word, settings)
         if label is not None and label.weight > 0:
             labels.append(label)
     return labels
@@ -168,15 +183,15 @@ def _holds(words: Iterable[_Word], end: int) -> list[_Hold]:
     return holds
 
 
-def _masks(words: Iterable[_Word], before_steps: int) -> list[range]:
-    """The steps before each override: what held there had already been objected to."""
-    masks = []
+def _befores(words: Iterable[_Word], before_steps: int) -> list[_Before]:
+    """From before what the person saw up to when each override took effect, in the order heard."""
+    found = []
     for word in words:
         if word.correction.kind is Kind.OVERRIDE:
             seen = word.correction.seen_step
             first = word.begin if seen is None else min(seen, word.begin)
-            masks.append(range(max(0, first - before_steps), word.begin))
-    return masks
+            found.append(_Before(range(max(0, first - before_steps), word.begin), word))
+    return found
 
 
 def _verdicts(words: Iterable[_Word]) -> dict[str, _Word]:
@@ -204,13 +219,24 @@ def _direct(head: DecisionHead, word: _Word, settings: LabelSettings) -> Label:
     return _label(head, head.executed, settings.approval_weight, Ground.APPROVED, word)
 
 
-def _held(head: DecisionHead, holds: Iterable[_Hold], masks: Iterable[range]) -> Label | None:
-    """A label from the override that was in force, unless the next one had been called for."""
-    if any(head.step in mask for mask in masks):
-        return None
+def _held(
+    head: DecisionHead,
+    holds: Iterable[_Hold],
+    befores: Iterable[_Before],
+    settings: LabelSettings,
+) -> Label | None:
+    """A label from the override that was in force, or by setting from the one on its way."""
+    step = head.step + settings.anticipate_steps
+    coming = [before.word for before in befores if step in before.steps]
+    if coming:
+        word = min(coming, key=lambda word: (word.begin, word.order))
+        goal = word.correction.goal
+        if settings.before == "mask" or goal is None:
+            return None
+        return _label(head, goal.text, settings.before_weight, Ground.BEFORE, word)
     for hold in holds:
         goal = hold.word.correction.goal
-        if hold.begin <= head.step < hold.end and goal is not None:
+        if hold.begin <= step < hold.end and goal is not None:
             return _label(head, goal.text, 1.0, Ground.HELD, hold.word)
     return None
 

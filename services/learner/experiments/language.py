@@ -53,7 +53,8 @@ def run(bench: Bench) -> Findings:
             "Contrary: in the midst of a task, when the next step is obvious, a command is said "
             "that contradicts it; success is that the command was achieved, and not the obvious.",
             "Outlandish: sentences that no robot here can obey, with words never taught; success "
-            "is that they are refused.",
+            "is that they are refused. These, and the everyday ones to be refused, are said with "
+            "something in a hand, so that picks and puts are possible.",
         ),
         figures=figures,
         tables=(
@@ -153,8 +154,9 @@ def _contrary(bench: Bench) -> list[Trial]:
 
 
 def _impossible(bench: Bench, phrases: list[str]) -> list[Trial]:
+    """Said with something in a hand: with empty hands every put is refused anyway."""
     task = bench.tasks()[0]
-    setting = Setting(seed=bench.seed(0), task=task)
+    setting = Setting(seed=bench.seed(0), task=task, holding=ANYTHING)
     return [Trial(setting=setting, phrase=phrase, steps=1) for phrase in phrases]
 
 

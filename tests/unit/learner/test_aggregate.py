@@ -103,6 +103,27 @@ def test_the_mask_begins_before_what_the_person_saw_and_not_before_it_took_effec
     assert texts(labels_of(*every_20(100), *said)) == {20: HAM, 100: TOAST}
 
 
+def test_by_setting_the_stretch_before_an_override_gets_its_goal_with_less_weight() -> None:
+    said = [correction("c", HAM, seen_step=70), receipt("c", 90)]
+    labels = labels_of(*every_20(120), *said, before="relabel", before_weight=0.25)
+    assert texts(labels) == {60: HAM, 80: HAM, 100: HAM, 120: HAM}
+    assert [labels[step].weight for step in (60, 80, 100)] == [0.25, 0.25, 1.0]
+    assert labels[60].ground is Ground.BEFORE
+
+
+def test_of_two_overrides_on_their_way_the_first_to_take_effect_is_the_label() -> None:
+    said = [correction("d", TOAST, seen_step=60), receipt("d", 100)]
+    said += [correction("c", HAM, seen_step=60), receipt("c", 80)]
+    labels = labels_of(*every_20(100), *said, before="relabel")
+    assert texts(labels) == {40: HAM, 60: HAM, 80: TOAST, 100: TOAST}
+
+
+def test_a_slow_high_level_is_to_say_sooner_what_was_in_force_later() -> None:
+    said = [correction("c", HAM, seen_step=60, hold_steps=40), receipt("c", 60)]
+    assert texts(labels_of(*every_20(120), *said)) == {60: HAM, 80: HAM}
+    assert texts(labels_of(*every_20(120), *said, anticipate_steps=20)) == {40: HAM, 60: HAM}
+
+
 def test_an_override_that_was_replaced_before_it_began_labels_nothing() -> None:
     said = [
         correction("c", HAM, delay_steps=60),
@@ -263,6 +284,30 @@ def test_a_decision_has_one_label_at_most_and_only_where_somebody_spoke(
     assert len({label.decision for label in labels}) == len(labels)
     obeyed = {message.correction for message in messages if isinstance(message, Receipt)}
     assert {label.correction for label in labels} <= obeyed
+
+
+@settings(max_examples=100, deadline=None)
+@given(happenings(), st.data())
+def test_a_correction_whose_receipt_is_gone_leaves_no_trace(
+    messages: list[Any], data: st.DataObject
+) -> None:
+    said = [message for message in messages if isinstance(message, Correction)]
+    if not said:
+        return
+    gone = data.draw(st.sampled_from(said)).id
+    unheard = [one for one in messages if not (isinstance(one, Receipt) and one.correction == gone)]
+    never = [one for one in unheard if not (isinstance(one, Correction) and one.id == gone)]
+    assert derived(unheard, before="relabel") == derived(never, before="relabel")
+
+
+@settings(max_examples=100, deadline=None)
+@given(happenings(), st.integers(0, 60))
+def test_relabelling_adds_to_what_masking_leaves_and_changes_nothing_of_it(
+    messages: list[Any], before_steps: int
+) -> None:
+    some = {label.decision: label for label in derived(messages, before_steps=before_steps)}
+    more = derived(messages, before_steps=before_steps, before="relabel")
+    assert {label.decision: label for label in more if label.ground is not Ground.BEFORE} == some
 
 
 @settings(max_examples=100, deadline=None)
