@@ -4,6 +4,8 @@ import hashlib
 from collections.abc import Iterable
 from typing import Annotated, NamedTuple, Protocol
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field
 
 from services.learner.aggregate import Label
@@ -18,11 +20,15 @@ class GateSettings(Settings):
         ids, so that they stay the same ones. at_least: labels among them, below which their
         agreement says too little to be judged by.
     max_fall: by which the agreement with them may fall, against the version in force.
+    retained: demonstrated decisions that no round replays, to see what is forgotten. max_forgotten:
+        by which the agreement with those may fall, against the version in force.
     """
 
     held_out_share: Annotated[float, Field(ge=0, lt=1)] = 0.1
     at_least: Annotated[int, Field(ge=1)] = 20
     max_fall: Annotated[float, Field(ge=0, le=1)] = 0.05
+    retained: Annotated[int, Field(ge=0, le=10_000)] = 200
+    max_forgotten: Annotated[float, Field(ge=0, le=1)] = 0.1
 
 
 class Figures(BaseModel):
@@ -32,6 +38,8 @@ class Figures(BaseModel):
     labels_sha256: over all of both, so that a rebuilt data set can be held against it.
     before, after: share of the held-out labels that the version in force and the candidate
         propose first; None where nothing was held out.
+    retained: demonstrated decisions that were kept aside; retained_before, retained_after: the
+        share of them that both propose rightly.
     loss: mean over the last steps. finite: no weight is infinite or not a number. seconds: it took.
     """
 
@@ -45,6 +53,9 @@ class Figures(BaseModel):
     seconds: float
     before: float | None = None
     after: float | None = None
+    retained: int = 0
+    retained_before: float | None = None
+    retained_after: float | None = None
 
 
 class Candidate(BaseModel):
@@ -88,18 +99,41 @@ class LabelGate:
         self._settings = settings
 
     def judge(self, candidate: Candidate) -> Verdict:
-        figures, settings = candidate.figures, self._settings
-        if not figures.finite:
+        if not candidate.figures.finite:
             return Verdict(False, "a weight is infinite or not a number")
-        if figures.before is None or figures.after is None or figures.held_out < settings.at_least:
-            return Verdict(True)
-        if figures.after < figures.before - settings.max_fall:
-            return Verdict(
-                False,
-                f"it agrees with {figures.after:.3f} of {figures.held_out} held-out labels, the "
-                f"version in force with {figures.before:.3f}; {settings.max_fall} less is allowed",
-            )
-        return Verdict(True)
+        reason = self._worse(candidate.figures) or self._forgot(candidate.figures)
+        return Verdict(not reason, reason)
+
+    def _worse(self, figures: Figures) -> str:
+        """Why it agrees too little with what people said; "" if it doesn't."""
+        if figures.held_out < self._settings.at_least:
+            return ""
+        fall = figures.before, figures.after, self._settings.max_fall
+        return _fallen(f"{figures.held_out} held-out labels", *fall)
+
+    def _forgot(self, figures: Figures) -> str:
+        """Why it has forgotten too much of what was demonstrated; "" if it hasn't."""
+        fall = figures.retained_before, figures.retained_after, self._settings.max_forgotten
+        return _fallen(f"{figures.retained} demonstrated decisions", *fall)
+
+
+def _fallen(what: str, before: float | None, after: float | None, allowed: float) -> str:
+    if before is None or after is None or after >= before - allowed:
+        return ""
+    return (
+        f"it agrees with {after:.3f} of {what}, the version in force with {before:.3f}; "
+        f"{allowed} less is allowed"
+    )
+
+
+def keep_aside(count: int, retained: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Rows of so many demonstrations that are replayed, and those kept aside; always the same.
+
+    At least half of them are replayed.
+    """
+    rows = np.random.default_rng(0).permutation(count)
+    aside = min(retained, count // 2)
+    return np.sort(rows[aside:]), np.sort(rows[:aside])
 
 
 def split(labels: Iterable[Label], share: float) -> tuple[list[Label], list[Label]]:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from services.learner.aggregate import Label, canonical, derive, sha256_labels
 from services.learner.config import Recipe, TrainSettings
-from services.learner.gate import Candidate, Figures, split
+from services.learner.gate import Candidate, Figures, keep_aside, split
 from services.learner.process import Job, Report
 from services.learner.publish import announcement
 from services.learner.store.sql import SqlStore
@@ -31,6 +31,7 @@ from shared.policies import examples
 from shared.policies.checkpoint import bundled
 from shared.policies.examples import Examples
 from shared.policies.fit import FitSettings, fit
+from shared.policies.fit import agreement as fit_agreement
 from shared.policies.high_level import HighLevel
 from shared.telemetry import set_up
 
@@ -54,8 +55,10 @@ def fine_tune(
     in_force = _record(store, round_.parent)
     labels = derive(store.history(round_.manifest), recipe.labels, in_force.low_level_sha256)
     kept, held_out = split(labels, recipe.gate.held_out_share)
+    replayed, aside = keep_aside(len(demonstrations), recipe.gate.retained)
+    retained = demonstrations.take(aside)
     policy = open_version(in_force, files)
-    before = agreement(policy, held_out, store)
+    before, knew = agreement(policy, held_out, store), known(policy, retained)
     if recipe.train.start == "base":
         policy = open_version(_record(store, 0), files)
     bank, spelling = grow(policy.bank, labels)
@@ -66,9 +69,8 @@ def fine_tune(
         progress(step / steps)
         return True
 
-    report = fit(
-        policy.net, bank, demonstrations, said, _fit_settings(recipe.train, round_.seed), told
-    )
+    settings = _fit_settings(recipe.train, round_.seed)
+    report = fit(policy.net, bank, demonstrations.take(replayed), said, settings, told)
     policy = HighLevel(policy.net, bank, policy.version)
     figures = Figures(
         labels=len(kept),
@@ -79,6 +81,9 @@ def fine_tune(
         seconds=round(time.monotonic() - began, 3),
         before=before,
         after=agreement(policy, held_out, store),
+        retained=len(retained),
+        retained_before=knew,
+        retained_after=known(policy, retained),
     )
     return Candidate(
         tensors=tuple(files.add(name, array) for name, array in policy.tensors().items()),
@@ -153,6 +158,13 @@ def agreement(policy: HighLevel, labels: Sequence[Label], store: Store) -> float
         for label, decision in zip(labels, seen, strict=True)
     ]
     return sum(right) / len(right)
+
+
+def known(policy: HighLevel, demonstrated: Examples) -> float | None:
+    """The share of demonstrated decisions that a policy's bank head takes rightly."""
+    if not len(demonstrated):
+        return None
+    return fit_agreement(policy.net, policy.bank, demonstrated)
 
 
 def past_of(decision: Decision, store: Store) -> list[NDArray[np.uint8]]:

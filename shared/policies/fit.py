@@ -30,6 +30,8 @@ from shared.policies.variation import Variation
 Progress = Callable[[int, int, float], bool]
 AVERAGE = 0.98
 WARM_STEPS = 20
+ASKED = 64
+"""Decisions that are asked about at once."""
 TEXT_WEIGHT = 0.3
 """Of the text head's loss, a sum over words, beside the bank's."""
 
@@ -114,6 +116,24 @@ def fit(
     seconds = time.monotonic() - began
     finished = done == settings.steps
     return FitReport(done, finished, lessons.value, agreement.value, seconds, text.value)
+
+
+def agreement(
+    net: HighLevelNet, bank: PhraseBank, seen: Examples, encoder: Encoder | None = None
+) -> float:
+    """The share of examples whose label is the first choice of the bank's head, as they were seen.
+
+    Raises:
+        PolicyError: a label is not in the bank.
+    """
+    source = Source(seen, 1, bank, encoder or shared_encoder(), net)
+    phrases, right = torch.tensor(bank.vectors), 0
+    with torch.inference_mode():
+        for first in range(0, len(seen), ASKED):
+            batch = source.at(np.arange(first, min(first + ASKED, len(seen))))
+            chosen = net.scores(net(batch.question()).meaning, phrases).argmax(-1)
+            right += int((chosen == batch.labels).sum())
+    return right / len(seen)
 
 
 class Said(NamedTuple):

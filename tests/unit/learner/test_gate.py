@@ -3,12 +3,16 @@
 import pytest
 
 from services.learner.aggregate import Ground, Label
-from services.learner.gate import Candidate, Figures, GateSettings, LabelGate, split
+from services.learner.gate import Candidate, Figures, GateSettings, LabelGate, keep_aside, split
 from tests.unit.learner.test_learner_store import REF
 
 
 def candidate(
-    before: float | None = 0.5, after: float | None = 0.5, held_out: int = 40, finite: bool = True
+    before: float | None = 0.5,
+    after: float | None = 0.5,
+    held_out: int = 40,
+    finite: bool = True,
+    retained: float | None = None,
 ) -> Candidate:
     figures = Figures(
         labels=90,
@@ -19,11 +23,14 @@ def candidate(
         loss=1.0,
         finite=finite,
         seconds=1.0,
+        retained=200,
+        retained_before=0.9,
+        retained_after=retained,
     )
     return Candidate(tensors=(REF,), bank=("wait",), settings={}, figures=figures)
 
 
-GATE = LabelGate(GateSettings(at_least=20, max_fall=0.05))
+GATE = LabelGate(GateSettings(at_least=20, max_fall=0.05, max_forgotten=0.05))
 
 
 @pytest.mark.parametrize(
@@ -35,6 +42,8 @@ GATE = LabelGate(GateSettings(at_least=20, max_fall=0.05))
         (candidate(after=0.1, held_out=19), True),
         (candidate(before=None, after=None, held_out=0), True),
         (candidate(after=0.9, finite=False), False),
+        (candidate(after=0.9, retained=0.86), True),
+        (candidate(after=0.9, retained=0.84), False),
     ],
 )
 def test_a_candidate_passes_unless_it_broke_or_agrees_less(made: Candidate, passed: bool) -> None:
@@ -45,6 +54,16 @@ def test_a_candidate_passes_unless_it_broke_or_agrees_less(made: Candidate, pass
 
 def test_a_refusal_tells_both_figures() -> None:
     assert "0.100 of 40" in GATE.judge(candidate(after=0.1)).reason
+    assert "0.300 of 200 demonstrated" in GATE.judge(candidate(retained=0.3)).reason
+
+
+def test_what_is_kept_aside_is_never_replayed_and_always_the_same() -> None:
+    replayed, aside = keep_aside(1000, 200)
+    assert (len(replayed), len(aside)) == (800, 200)
+    assert not set(replayed) & set(aside)
+    assert set(aside) == set(keep_aside(1000, 200)[1])
+    assert list(map(len, keep_aside(9, 200))) == [5, 4]
+    assert list(map(len, keep_aside(9, 0))) == [9, 0]
 
 
 def labels(episodes: int) -> list[Label]:

@@ -11,12 +11,13 @@ from services.learner.aggregate import Ground, Label, LabelSettings, derive
 from services.learner.build import origin
 from services.learner.config import Recipe
 from services.learner.frozen import FrozenLowLevel
-from services.learner.gate import Candidate
+from services.learner.gate import Candidate, keep_aside
 from services.learner.store.memory import MemoryStore
 from services.learner.store.store import Manifest, Round, RoundState
 from services.learner.store.tensors import TensorFiles, unpack
 from services.learner.train import fine_tune, gather, grow, open_version
 from shared.goals.language.bank import PhraseBank
+from shared.messages.observation import Observation
 from shared.messages.policy import TensorRef
 from shared.policies import examples
 from tests.unit.learner.checkpoints import BANK, Checkpoints, small_checkpoints
@@ -68,6 +69,39 @@ def checkpoints(tmp_path_factory: pytest.TempPathFactory) -> Checkpoints:
 @pytest.fixture
 def workshop(tmp_path: Path, checkpoints: Checkpoints) -> Workshop:
     return Workshop(tmp_path, checkpoints)
+
+
+def test_what_was_demonstrated_and_not_replayed_is_asked_before_and_after(
+    workshop: Workshop,
+) -> None:
+    workshop.happens("e-1", HAM)
+    figures = workshop.train(workshop.round()).figures
+    assert 0 < figures.retained <= len(workshop.demonstrations) // 2
+    assert figures.retained_before is not None
+    assert figures.retained_after is not None
+    assert 0.0 <= figures.retained_after <= 1.0
+    policy = open_version(workshop.base, workshop.files)
+    aside = workshop.demonstrations.take(
+        keep_aside(len(workshop.demonstrations), figures.retained)[1]
+    )
+    asked = [
+        Observation(
+            step=0,
+            prompt=aside.prompts[row],
+            previous=aside.previous[row],
+            arrays={
+                "images": aside.images[aside.looks[row, -1]],
+                "proprioception": aside.senses[row],
+                "objects": np.zeros((18, 9), np.float32),
+            },
+        )
+        for row in range(len(aside))
+    ]
+    right = [
+        policy.propose(one)[0].goal.text == label
+        for one, label in zip(asked, aside.labels, strict=True)
+    ]
+    assert figures.retained_before == pytest.approx(sum(right) / len(right))
 
 
 def test_the_same_manifest_and_seed_make_the_same_candidate_to_the_bit(workshop: Workshop) -> None:
