@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from services.learner.aggregate import LabelSettings
+from services.learner.balance import BalanceSettings
 from services.learner.gate import GateSettings
 from services.learner.rounds import RoundSettings
 from shared.config import Settings
@@ -37,6 +38,7 @@ class Recipe(Settings):
     """Everything that decides what a round makes of what happened; kept in its manifest."""
 
     labels: LabelSettings = LabelSettings()
+    balance: BalanceSettings = BalanceSettings()
     train: TrainSettings = TrainSettings()
     gate: GateSettings = GateSettings()
 
@@ -63,9 +65,10 @@ class LearnerSettings(Settings):
     bus: BusSettings = BusSettings()
     round: RoundSettings = RoundSettings()
     labels: LabelSettings = LabelSettings()
+    balance: BalanceSettings = BalanceSettings()
     train: TrainSettings = TrainSettings()
     gate: GateSettings = GateSettings()
 
     def recipe(self) -> Recipe:
         """The part that a round's result depends on."""
-        return Recipe(labels=self.labels, train=self.train, gate=self.gate)
+        return Recipe(labels=self.labels, balance=self.balance, train=self.train, gate=self.gate)

@@ -16,6 +16,7 @@ import torch
 from numpy.typing import NDArray
 
 from services.learner.aggregate import Label, canonical, derive, sha256_labels
+from services.learner.balance import balance
 from services.learner.config import Recipe, TrainSettings
 from services.learner.gate import Candidate, Figures, keep_aside, split
 from services.learner.process import Job, Report
@@ -62,7 +63,7 @@ def fine_tune(
     if recipe.train.start == "base":
         policy = open_version(_record(store, 0), files)
     bank, spelling = grow(policy.bank, labels)
-    said = gather(kept, spelling, store) if kept else None
+    said = gather(balance(kept, recipe.balance), spelling, store) if kept else None
 
     def told(step: int, steps: int, loss: float) -> bool:
         del loss  # Unused.
