@@ -17,6 +17,11 @@ def run_command(main: Callable[..., None]) -> None:
     """Run a module's command; its usage line says how people call it, as `hld` tells."""
     app = typer.Typer(add_completion=False)
     app.command()(main)
+    run_app(app)
+
+
+def run_app(app: typer.Typer) -> None:
+    """The same for a module with several commands."""
     app(prog_name=os.environ.pop(CALLED, None))
 
 

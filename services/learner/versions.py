@@ -1,0 +1,173 @@
+"""`hld policy`: which versions a learner made, from what, and what became of its other rounds.
+
+Reads the store beside a learner that may be running; changes nothing.
+"""
+
+import json
+from collections.abc import Sequence
+from contextlib import closing
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Annotated, Any, Optional
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from services.learner.store.sql import SqlStore, sqlite_url
+from services.learner.store.store import PolicyRecord, Round, RoundState, Store
+from shared.config import exit_misconfigured
+from shared.errors import ConfigError
+from shared.service import run_app
+
+SCHEMA = 1
+STORE_FILE = "learner.db"
+Data = Annotated[Path, typer.Option(help="the run, of `hld up` or of a learner")]
+Report = Annotated[
+    Optional[Path], typer.Option(dir_okay=False, help="write the same here, as JSON")
+]
+app = typer.Typer(add_completion=False, no_args_is_help=True)
+
+
+@app.callback()
+def _policy() -> None:
+    """Versions of the high level that a learner keeps."""
+
+
+@app.command("list")
+def list_versions(data: Data = Path("runs/up"), report: Report = None) -> None:
+    """All rounds: what each was made from, what the gate said, and the version that it made."""
+    with closing(_store(data)) as store:
+        versions, rounds = versions_of(store), store.rounds()
+    content = {"schema": SCHEMA, "versions": _told(versions, rounds), "rounds": _ended(rounds)}
+    _write(report, content)
+    Console().print(_table(versions, rounds))
+
+
+@app.command()
+def show(
+    number: Annotated[int, typer.Argument(min=0, help="the second half of a version: 2 of 1.2")],
+    data: Data = Path("runs/up"),
+    report: Report = None,
+) -> None:
+    """One version: its round with manifest, seed, settings and figures, bank and tensors."""
+    with closing(_store(data)) as store:
+        versions, rounds = versions_of(store), store.rounds()
+    if number >= len(versions):
+        known = f"there are 0 to {len(versions) - 1}" if versions else "there is none yet"
+        exit_misconfigured("policy", ConfigError(f"no version {number} in {data}; {known}"))
+    content = {"schema": SCHEMA, **detail(versions[number], rounds)}
+    _write(report, content)
+    Console().print_json(json.dumps(content, ensure_ascii=False))
+
+
+def versions_of(store: Store) -> tuple[PolicyRecord, ...]:
+    """All versions, the oldest first; the last one is in force."""
+    newest = store.version()
+    numbers = range(newest.number + 1) if newest else ()
+    return tuple(record for number in numbers if (record := store.version(number)))
+
+
+def detail(version: PolicyRecord, rounds: Sequence[Round]) -> dict[str, Any]:
+    """What is known of a version; `round` is None for the one that a store begins with."""
+    made_by = _made_by(version, rounds)
+    return {
+        "number": version.number,
+        "epoch": version.epoch,
+        "created": _when(version.created_ns),
+        "round": made_by.model_dump(mode="json") if made_by else None,
+        "low_level_sha256": version.low_level_sha256,
+        "bank": list(version.bank),
+        "settings": version.settings,
+        "tensors": [
+            {"name": ref.name, "sha256": ref.sha256, "size_bytes": ref.size_bytes}
+            for ref in version.tensors
+        ],
+    }
+
+
+def _store(data: Path) -> SqlStore:
+    """The store of a run.
+
+    Exits where there is none, naming the places that were looked at.
+    """
+    places = (data / "learner" / STORE_FILE, data / STORE_FILE)
+    found = next((place for place in places if place.is_file()), None)
+    if found is None:
+        looked = " and ".join(map(str, places))
+        exit_misconfigured("policy", ConfigError(f"no store of a learner: looked at {looked}"))
+    return SqlStore(sqlite_url(found.absolute()))
+
+
+def _told(versions: Sequence[PolicyRecord], rounds: Sequence[Round]) -> list[dict[str, Any]]:
+    return [
+        {
+            "number": version.number,
+            "epoch": version.epoch,
+            "created": _when(version.created_ns),
+            "round": made_by.number if (made_by := _made_by(version, rounds)) else None,
+            "in_force": version is versions[-1],
+        }
+        for version in versions
+    ]
+
+
+def _ended(rounds: Sequence[Round]) -> list[dict[str, Any]]:
+    return [
+        round_.model_dump(mode="json", exclude={"manifest": {"settings", "excluded"}})
+        for round_ in rounds
+    ]
+
+
+def _table(versions: Sequence[PolicyRecord], rounds: Sequence[Round]) -> Table:
+    columns = ("version", "round", "when", "episodes", "corrections", "labels")
+    table = Table(*columns, "held out", "demonstrations", "what became of it")
+    for version in versions:
+        if _made_by(version, rounds) is None:
+            base = "in force" if version is versions[-1] else "replaced"
+            when = _when(version.created_ns)
+            table.add_row(f"{version.epoch}.{version.number}", "", when, *[""] * 5, base)
+    for round_ in rounds:
+        table.add_row(*_row(round_, versions))
+    return table
+
+
+def _row(round_: Round, versions: Sequence[PolicyRecord]) -> list[str]:
+    figures = round_.figures
+    in_force = bool(versions) and round_.made == versions[-1].number
+    outcome = round_.reason or ("in force" if in_force else str(round_.state))
+    if round_.state is RoundState.PASSED and not in_force:
+        outcome = "replaced"
+    return [
+        f"{round_.epoch}.{round_.made}" if round_.made is not None else "",
+        str(round_.number),
+        _when(round_.ended_ns or round_.begun_ns),
+        str(round_.manifest.episodes),
+        str(round_.manifest.corrections),
+        str(figures.get("labels", "")),
+        _change(figures.get("before"), figures.get("after")),
+        _change(figures.get("retained_before"), figures.get("retained_after")),
+        outcome,
+    ]
+
+
+def _change(before: float | None, after: float | None) -> str:
+    return "" if before is None or after is None else f"{before:.2f} → {after:.2f}"
+
+
+def _made_by(version: PolicyRecord, rounds: Sequence[Round]) -> Round | None:
+    return next((round_ for round_ in rounds if round_.made == version.number), None)
+
+
+def _when(time_ns: int) -> str:
+    return datetime.fromtimestamp(time_ns / 1e9, UTC).isoformat(sep=" ", timespec="seconds")[:19]
+
+
+def _write(report: Path | None, content: dict[str, Any]) -> None:
+    if report:
+        report.parent.mkdir(parents=True, exist_ok=True)
+        report.write_text(json.dumps(content, indent=2, ensure_ascii=False) + "\n")
+
+
+if __name__ == "__main__":
+    run_app(app)

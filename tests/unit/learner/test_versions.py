@@ -1,0 +1,90 @@
+"""`hld policy`: what it tells of a store, and what it says where there is none."""
+
+import json
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from services.learner.store.sql import SqlStore, sqlite_url
+from services.learner.store.store import Manifest, Marks, PolicyRecord, Round, RoundState
+from services.learner.versions import app
+from tests.unit.learner.test_learner_store import REF
+
+RUN = CliRunner(env={"COLUMNS": "200"})
+
+
+def record(number: int) -> PolicyRecord:
+    return PolicyRecord(
+        number=number,
+        epoch=1,
+        tensors=(REF,),
+        bank=("wait",),
+        settings={"width": 8},
+        low_level_sha256="a" * 64,
+        marks=Marks(),
+        created_ns=1_795_000_000_000_000_000,
+    )
+
+
+@pytest.fixture(scope="module")
+def data(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A run with a base, a round that passed and one that was refused."""
+    folder = tmp_path_factory.mktemp("run")
+    store = SqlStore(sqlite_url(folder / "learner.db"))
+    store.take_over("learner", 1)
+    store.found(record(0))
+    for number, made in ((1, record(1)), (2, None)):
+        manifest = Manifest(episodes=12, corrections=80, settings={"train": {"steps": 4}})
+        begun = Round(number=number, epoch=1, parent=0, seed=7, manifest=manifest, begun_ns=2)
+        store.begin(begun)
+        figures = {"labels": 90, "before": 0.5, "after": 0.75, "retained_before": 0.9}
+        ended = begun.model_copy(
+            update={
+                "state": RoundState.PASSED if made else RoundState.REFUSED,
+                "reason": "" if made else "it agrees with 0.100 of 40 held-out labels",
+                "figures": figures,
+                "ended_ns": 3,
+                "made": made.number if made else None,
+            }
+        )
+        store.end(ended, made)
+    store.close()
+    return folder
+
+
+def test_the_list_has_every_version_and_round_and_why_one_was_refused(
+    data: Path, tmp_path: Path
+) -> None:
+    report = tmp_path / "deep" / "list.json"
+    result = RUN.invoke(app, ["list", "--data", str(data), "--report", str(report)])
+    assert result.exit_code == 0, result.output
+    for text in ("1.0", "1.1", "in force", "0.50 → 0.75", "it agrees with 0.100"):
+        assert text in result.output
+    told = json.loads(report.read_text())
+    assert [one["in_force"] for one in told["versions"]] == [False, True]
+    assert [one["round"] for one in told["versions"]] == [None, 1]
+    assert [one["state"] for one in told["rounds"]] == ["passed", "refused"]
+
+
+def test_a_version_shows_what_made_it(data: Path) -> None:
+    result = RUN.invoke(app, ["show", "1", "--data", str(data)])
+    told = json.loads(result.output)
+    assert (told["round"]["seed"], told["round"]["manifest"]["corrections"]) == (7, 80)
+    assert told["tensors"][0]["sha256"] == REF.sha256
+    assert json.loads(RUN.invoke(app, ["show", "0", "--data", str(data)]).output)["round"] is None
+
+
+@pytest.mark.parametrize(
+    ("arguments", "why"),
+    [
+        (["show", "5", "--data", "{data}"], "no version 5 in {data}; there are 0 to 1"),
+        (["list", "--data", "{data}/nowhere"], "no store of a learner: looked at {data}/nowhere/l"),
+    ],
+)
+def test_what_is_not_there_is_told_with_what_is(
+    data: Path, arguments: list[str], why: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    result = RUN.invoke(app, [one.format(data=data) for one in arguments])
+    assert result.exit_code == 2
+    assert why.format(data=data) in result.output + capfd.readouterr().err
