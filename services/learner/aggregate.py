@@ -86,10 +86,14 @@ class _Word(NamedTuple):
 
 
 class _Before(NamedTuple):
-    """The steps before an override in which what held had already been objected to."""
+    """The steps before an override in which what held had already been objected to.
+
+    obeyed: it did take effect, and was not replaced before that.
+    """
 
     steps: range
     word: _Word
+    obeyed: bool
 
 
 class _Hold(NamedTuple):
@@ -153,7 +157,7 @@ def _judge(
     heads: Sequence[DecisionHead], words: Sequence[_Word], end: int, settings: LabelSettings
 ) -> list[Label]:
     holds = _holds(words, end)
-    befores = _befores(words, settings.before_steps)
+    befores = _befores(words, holds, settings.before_steps)
     verdicts = _verdicts(words)
     labels = []
     for head in heads:
@@ -183,14 +187,16 @@ def _holds(words: Iterable[_Word], end: int) -> list[_Hold]:
     return holds
 
 
-def _befores(words: Iterable[_Word], before_steps: int) -> list[_Before]:
+def _befores(words: Iterable[_Word], holds: Iterable[_Hold], before_steps: int) -> list[_Before]:
     """From before what the person saw up to when each override took effect, in the order heard."""
+    obeyed = {hold.word.correction.id for hold in holds if hold.begin < hold.end}
     found = []
     for word in words:
         if word.correction.kind is Kind.OVERRIDE:
             seen = word.correction.seen_step
             first = word.begin if seen is None else min(seen, word.begin)
-            found.append(_Before(range(max(0, first - before_steps), word.begin), word))
+            steps = range(max(0, first - before_steps), word.begin)
+            found.append(_Before(steps, word, word.correction.id in obeyed))
     return found
 
 
@@ -227,13 +233,14 @@ def _held(
 ) -> Label | None:
     """A label from the override that was in force, or by setting from the one on its way."""
     step = head.step + settings.anticipate_steps
-    coming = [before.word for before in befores if step in before.steps]
+    coming = [before for before in befores if step in before.steps]
     if coming:
-        word = min(coming, key=lambda word: (word.begin, word.order))
-        goal = word.correction.goal
-        if settings.before == "mask" or goal is None:
+        obeyed = [before.word for before in coming if before.obeyed]
+        word = min(obeyed, key=lambda word: (word.begin, word.order), default=None)
+        if settings.before == "mask" or word is None or word.correction.goal is None:
             return None
-        return _label(head, goal.text, settings.before_weight, Ground.BEFORE, word)
+        text = word.correction.goal.text
+        return _label(head, text, settings.before_weight, Ground.BEFORE, word)
     for hold in holds:
         goal = hold.word.correction.goal
         if hold.begin <= step < hold.end and goal is not None:

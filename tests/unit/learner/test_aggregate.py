@@ -118,6 +118,13 @@ def test_of_two_overrides_on_their_way_the_first_to_take_effect_is_the_label() -
     assert texts(labels) == {40: HAM, 60: HAM, 80: TOAST, 100: TOAST}
 
 
+def test_an_override_that_never_took_effect_relabels_nothing() -> None:
+    late = correction("c", HAM, seen_step=40, delay_steps=60)
+    said = [late, receipt("c", 100, time_ns=1), correction("d", TOAST), receipt("d", 60, time_ns=2)]
+    labels = labels_of(*every_20(120), *said, before="relabel", before_steps=0)
+    assert HAM not in texts(labels).values()
+
+
 def test_a_slow_high_level_is_to_say_sooner_what_was_in_force_later() -> None:
     said = [correction("c", HAM, seen_step=60, hold_steps=40), receipt("c", 60)]
     assert texts(labels_of(*every_20(120), *said)) == {60: HAM, 80: HAM}
