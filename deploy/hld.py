@@ -33,7 +33,9 @@ def _become(module: str) -> Any:
     def command(context: typer.Context) -> None:
         import sys
 
-        os.environ["HLD_COMMAND"] = context.command_path
+        from shared.service import CALLED
+
+        os.environ[CALLED] = context.command_path
         os.execv(sys.executable, [sys.executable, "-m", module, *context.args])
 
     return command

@@ -20,6 +20,8 @@ from shared.errors import PolicyError
 from shared.policies.checkpoint import bundled, load
 from shared.wire.bus import open_bus
 
+STORE_FILE = "learner.db"
+
 
 @contextmanager
 def learner(settings: LearnerSettings) -> Iterator[Learner]:
@@ -34,7 +36,7 @@ def learner(settings: LearnerSettings) -> Iterator[Learner]:
     files = TensorFiles(data / "tensors")
     shelf = Shelf(data / "versions", files)
     frozen = FrozenLowLevel(settings.low_level or bundled("low_level"))
-    url = settings.store or sqlite_url(data / "learner.db")
+    url = settings.store or sqlite_url(data / STORE_FILE)
     (data / "settings.json").write_text(settings.model_dump_json(indent=2) + "\n")
     with open_bus(settings.bus) as bus:
         store = SqlStore(url)

@@ -1,6 +1,6 @@
 """`hld policy`: which versions a learner made, from what, and what became of its other rounds.
 
-Reads the store beside a learner that may be running; changes nothing.
+Opens the SQLite store beside a learner that may be running, and adds nothing to it.
 """
 
 import json
@@ -14,6 +14,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from services.learner.build import STORE_FILE
 from services.learner.store.sql import SqlStore, sqlite_url
 from services.learner.store.store import PolicyRecord, Round, RoundState, Store
 from shared.config import exit_misconfigured
@@ -21,7 +22,6 @@ from shared.errors import ConfigError
 from shared.service import run_app
 
 SCHEMA = 1
-STORE_FILE = "learner.db"
 Data = Annotated[Path, typer.Option(help="the run, of `hld up` or of a learner")]
 Report = Annotated[
     Optional[Path], typer.Option(dir_okay=False, help="write the same here, as JSON")

@@ -126,10 +126,9 @@ class Speaker:
 
     def read(self, phrase: str) -> Reading:
         """What the low level makes of a phrase in the scene as it is."""
-        goal, things = Goal(text=phrase), objects(self._env.state)
-        felt = proprioception(self._env.state)
-        refused = self._low_level.objection(goal, things, felt)
-        near = self._low_level.nearest(goal, things, felt)
+        senses = proprioception(self._env.state), objects(self._env.state)
+        refused = self._low_level.objection(*senses, Goal(text=phrase))
+        near = self._low_level.nearest(*senses, Goal(text=phrase))
         return Reading(refused, tuple(Near(text, round(score, 4)) for text, score in near))
 
     def _act(self, phrase: str, expected: str, steps: int) -> tuple[tuple[str, ...], int]:

@@ -83,38 +83,43 @@ class LowLevel:
             done = self._motion(proprioception[None], objects[None], self._orders([row]))[1]
         return float(done[0])
 
-    def objection(self, goal: Goal, objects: Floats, proprioception: Floats | None = None) -> str:
-        """Why it can't do the goal in this scene; "" if it understands the goal and can.
+    def can(self, goal: Goal, objects: Floats) -> bool:
+        """Whether it understands the goal and the scene has what it is about."""
+        return self._understood(goal, objects) is not None
 
-        proprioception: [22]; None: whatever is in the hands.
-        """
+    def objection(self, proprioception: Floats, objects: Floats, goal: Goal) -> str:
+        """Why it can't do what a person says, with what is in the hands; "" if it can."""
         there, held = _present(objects), self._held(proprioception, objects)
-        reading = self.reader.read(goal.text, there)
-        nearest = ", ".join(repr(text) for text, _ in self.nearest(goal, objects, proprioception))
+        reading, why = self.reader.read(goal.text, there), ""
         if reading.command is None:
-            return f"the low level doesn't understand {goal.text!r}; nearest it knows: {nearest}"
-        command, why = self.reader.commands[reading.command], ""
-        if not self._possible(reading.command, there):
-            why = "that isn't in the scene"
-        elif held is not None and reading.command in PUTS:
-            why = _unheld(reading, held)
-        return f"{command!r} can't be done here, since {why}; nearest: {nearest}" if why else ""
+            why = f"the low level doesn't understand {goal.text!r}; nearest it knows"
+        elif missing := self._missing(reading, there, held):
+            command = self.reader.commands[reading.command]
+            why = f"{command!r} can't be done here, since {missing}; nearest"
+        if not why:
+            return ""
+        nearest = self.nearest(proprioception, objects, goal)
+        return f"{why}: {', '.join(repr(text) for text, _ in nearest)}"
 
     def nearest(
-        self, goal: Goal, objects: Floats, proprioception: Floats | None = None
+        self, proprioception: Floats, objects: Floats, goal: Goal
     ) -> list[tuple[str, float]]:
-        """The commands that a goal is nearest to, of those possible in this scene, and scores."""
-        held = self._held(proprioception, objects)
-        empty = held is not None and not held.any()
+        """The commands that a goal is nearest to, of those possible now, and their scores."""
+        empty = not self._held(proprioception, objects).any()
         return self.reader.nearest(goal.text, _present(objects), empty)
 
-    def _held(self, proprioception: Floats | None, objects: Floats) -> NDArray[np.bool_] | None:
-        """[15] What is in the hands; None: not known."""
-        if proprioception is None:
-            return None
+    def _held(self, proprioception: Floats, objects: Floats) -> NDArray[np.bool_]:
+        """[15] What is in the hands."""
         seen = torch.from_numpy(proprioception)[None], torch.from_numpy(objects)[None]
         held: NDArray[np.bool_] = self._net.geometry.held(*seen)[0].numpy()
         return held
+
+    def _missing(self, reading: Reading, there: NDArray[np.bool_], held: NDArray[np.bool_]) -> str:
+        """Why a command that was understood can't be done now; "" if it can."""
+        assert reading.command is not None
+        if not self._possible(reading.command, there):
+            return "that isn't in the scene"
+        return _unheld(reading, held) if reading.command in PUTS else ""
 
     def meaning(self, goal: Goal, objects: Floats) -> str | None:
         """The command that it takes a goal for in this scene; None if it understands none."""

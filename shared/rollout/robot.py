@@ -142,13 +142,17 @@ class LowLevel(Protocol):
         """The probability, 0 to 1, that the goal is achieved now, by a learned classifier."""
         ...
 
-    def objection(self, goal: Goal, objects: Floats, proprioception: Floats | None = None) -> str:
-        """Why it can't do the goal in this scene, in a sentence that names the nearest goals that
+    def can(self, goal: Goal, objects: Floats) -> bool:
+        """Whether it understands the goal and the scene has what it is about.
+
+        Asked of what a high level proposes, at each decision, from the control loop: quick for a
+        goal that it was asked before. What is in the hands is of no account, so that a high
+        level's mistakes are seen.
+        """
+        ...
+
+    def objection(self, proprioception: Floats, objects: Floats, goal: Goal) -> str:
+        """Why it can't do now what a person says, in a sentence that names the nearest goals that
         it knows; "" if it understands the goal and can.
-
-        proprioception: for a person's word, which may be about what is in the hands. None: whatever
-            is in them, for what a high level proposes, whose mistakes are to be seen.
-
-        Called from the control loop, at each decision: quick for a goal that it was asked before.
         """
         ...

@@ -172,7 +172,7 @@ class Rollout:
         choice = self._choosing.choose(
             proposals,
             str(self._high_level.version),
-            lambda goal: bool(self._low_level.objection(goal, objects)),
+            lambda goal: not self._low_level.can(goal, objects),
             self.step - self._since if steady else None,
         )
         if held:
@@ -217,7 +217,7 @@ class Rollout:
         if correction.kind is Kind.RESUME and not self.paused:
             return "the robot is not paused, so there is nothing to resume"
         if correction.goal is not None:
-            return self._low_level.objection(correction.goal, *reversed(self._robot.sense()))
+            return self._low_level.objection(*self._robot.sense(), correction.goal)
         return ""
 
     def _took(self, decision: str) -> bool:

@@ -154,9 +154,14 @@ class Follower:
         del proprioception, objects, goal
         return 0.0
 
-    def objection(self, goal: Goal, objects: Floats, proprioception: Floats | None = None) -> str:
+    def can(self, goal: Goal, objects: Floats) -> bool:
+        """Always: the goal is of no account."""
+        del goal, objects
+        return True
+
+    def objection(self, proprioception: Floats, objects: Floats, goal: Goal) -> str:
         """None."""
-        del goal, objects, proprioception
+        del proprioception, objects, goal
         return ""
 
     def meaning(self, goal: Goal, objects: Floats) -> str | None:

@@ -2,8 +2,8 @@
 
 Each file of `everyday/` is one writing of a dozen or so phrases a command, and of what is to be
 refused. No reader is fitted to them. By what was missed in most of them the lexicon and the limits
-grew: they are for development. What is `held_out` was counted and never looked at; whoever looks
-at it for the sake of the lexicon takes that mark away.
+grew: they are for development. What is `held_out` was counted before anybody looked at it; whoever
+teaches a word because of it takes that mark away.
 """
 
 import tomllib

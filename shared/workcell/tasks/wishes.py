@@ -58,8 +58,7 @@ _ORDINARY = frozenset(
         crate dinner everything fast favour first food for from full great grey guest guests
         have hello hey hi hold holds hungry i if in it item items job just kitchen leave leaving
         left love lunch me meat middle minute moment more my napkins need needs next nice no not
-        nothing
-        now ok one only or order other others out plain plate please put quick quickly rest
+        nothing now ok one only or order other others out plain plate please put quick quickly rest
         right robot sandwich second side sides single slice slices small stack table task that
         the them then there these thing things this those to today top tub two us vegetables
         veggies we what when whole with you your

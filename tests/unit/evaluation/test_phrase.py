@@ -58,12 +58,12 @@ def test_to_wait_with_something_in_the_hand_is_not_to_pick_it_up(speaker):
 
 def test_a_phrase_that_the_low_level_objects_to_moves_nothing(speaker):
     class Refusing:
-        def objection(self, goal, objects, proprioception):
-            del objects, proprioception
+        def objection(self, proprioception, objects, goal):
+            del proprioception, objects
             return f"no {goal.text}"
 
-        def nearest(self, goal, objects, proprioception):
-            del goal, objects, proprioception
+        def nearest(self, proprioception, objects, goal):
+            del proprioception, objects, goal
             return [("pick up the ham", 0.4)]
 
         def meaning(self, goal, objects):

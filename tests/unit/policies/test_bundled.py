@@ -40,7 +40,7 @@ def test_the_bundled_low_level_acts() -> None:
 def test_what_is_to_be_put_must_be_what_is_held(text: str, objection: str) -> None:
     low_level = LowLevel.load(checkpoint.bundled("low_level"))
     body, objects = gripping(OBJECT_NAMES.index("cheese"))
-    why = low_level.objection(LanguageGoal(text=text), objects, body)
+    why = low_level.objection(body, objects, LanguageGoal(text=text))
     assert why == "" if not objection else objection in why
 
 

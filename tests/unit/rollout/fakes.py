@@ -97,10 +97,11 @@ class EchoingLowLevel:
         del proprioception, objects, goal
         return 0.0
 
-    def objection(
-        self, goal: Goal, objects: np.ndarray, proprioception: np.ndarray | None = None
-    ) -> str:
-        del goal, objects, proprioception
+    def can(self, goal: Goal, objects: np.ndarray) -> bool:
+        return not self.objection(np.zeros(22), objects, goal)
+
+    def objection(self, proprioception: np.ndarray, objects: np.ndarray, goal: Goal) -> str:
+        del proprioception, objects, goal
         return ""
 
 
@@ -125,10 +126,8 @@ class KnowingLowLevel(EchoingLowLevel):
         self.asked.append(int(proprioception[0]))
         return self.achieved(self.asked[-1], goal.text) if self.achieved else 0.0
 
-    def objection(
-        self, goal: Goal, objects: np.ndarray, proprioception: np.ndarray | None = None
-    ) -> str:
-        del objects, proprioception
+    def objection(self, proprioception: np.ndarray, objects: np.ndarray, goal: Goal) -> str:
+        del proprioception, objects
         if self.knows is None or goal.text in self.knows:
             return ""
         return f"I don't know how to {goal.text}; I know: {', '.join(self.knows)}"
