@@ -32,7 +32,7 @@ from shared.policies import examples
 from shared.policies.checkpoint import bundled
 from shared.policies.examples import Examples
 from shared.policies.fit import FitSettings, fit
-from shared.policies.fit import agreement as fit_agreement
+from shared.policies.fit import agreement as heads_agreement
 from shared.policies.high_level import HighLevel
 from shared.telemetry import set_up
 
@@ -165,7 +165,7 @@ def known(policy: HighLevel, demonstrated: Examples) -> float | None:
     """The share of demonstrated decisions that a policy's bank head takes rightly."""
     if not len(demonstrated):
         return None
-    return fit_agreement(policy.net, policy.bank, demonstrated)
+    return heads_agreement(policy.net, policy.bank, demonstrated).bank
 
 
 def past_of(decision: Decision, store: Store) -> list[NDArray[np.uint8]]:

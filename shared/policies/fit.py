@@ -30,8 +30,8 @@ from shared.policies.variation import Variation
 Progress = Callable[[int, int, float], bool]
 AVERAGE = 0.98
 WARM_STEPS = 20
-ASKED = 64
-"""Decisions that are asked about at once."""
+ASKED = 256
+"""At most about so many decisions are asked about at once."""
 TEXT_WEIGHT = 0.3
 """Of the text head's loss, a sum over words, beside the bank's."""
 
@@ -118,22 +118,37 @@ def fit(
     return FitReport(done, finished, lessons.value, agreement.value, seconds, text.value)
 
 
+class Agreement(NamedTuple):
+    """Share of examples whose label is the first choice of each head, without any variation."""
+
+    bank: float
+    text: float
+
+
 def agreement(
     net: HighLevelNet, bank: PhraseBank, seen: Examples, encoder: Encoder | None = None
-) -> float:
-    """The share of examples whose label is the first choice of the bank's head, as they were seen.
+) -> Agreement:
+    """How far both heads agree with the labels; the text head where its likeliest phrase is one.
 
     Raises:
         PolicyError: a label is not in the bank.
     """
     source = Source(seen, 1, bank, encoder or shared_encoder(), net)
-    phrases, right = torch.tensor(bank.vectors), 0
+    phrases, rows = torch.tensor(bank.vectors), net.text.rows(bank.phrases)
+    hits = said = 0
     with torch.inference_mode():
-        for first in range(0, len(seen), ASKED):
-            batch = source.at(np.arange(first, min(first + ASKED, len(seen))))
-            chosen = net.scores(net(batch.question()).meaning, phrases).argmax(-1)
-            right += int((chosen == batch.labels).sum())
-    return right / len(seen)
+        for part in np.array_split(np.arange(len(seen)), 1 + len(seen) // ASKED):
+            batch = source.at(part)
+            answer = net(batch.question())
+            hits += int((net.scores(answer.meaning, phrases).argmax(-1) == batch.labels).sum())
+            likely = torch.stack([_nats(net, answer.thought, row) for row in rows], -1)
+            said += int((likely.argmin(-1) == batch.labels).sum())
+    return Agreement(hits / len(seen), said / len(seen))
+
+
+def _nats(net: HighLevelNet, thoughts: Tensor, row: Tensor) -> Tensor:
+    """-log p of one phrase for each thought, [B]."""
+    return net.text.nats(thoughts, row.expand(len(thoughts), -1))
 
 
 class Said(NamedTuple):

@@ -153,31 +153,3 @@ def resumed(fitter: Fitter, file: Path | None) -> int:
     done = int(state.pop("done"))
     fitter.restore(state)
     return done
-
-
-@dataclass(frozen=True)
-class Agreement:
-    """Share of decisions whose label is the first choice of each head, without any variation."""
-
-    bank: float
-    text: float
-
-
-def agreement(net: HighLevelNet, bank: PhraseBank, lessons: Demonstrations) -> Agreement:
-    """How far both heads agree with the labels; the text head where its likeliest phrase is one."""
-    source = Source(lessons.examples, 1, bank, shared_encoder(), net)
-    phrases, rows = torch.tensor(bank.vectors), net.text.rows(bank.phrases)
-    hits = said = 0
-    with torch.inference_mode():
-        for part in np.array_split(np.arange(len(lessons)), 1 + len(lessons) // 256):
-            batch = source.at(part)
-            answer = net(batch.question())
-            hits += int((net.scores(answer.meaning, phrases).argmax(-1) == batch.labels).sum())
-            likely = torch.stack([_nats(net, answer.thought, row) for row in rows], -1)
-            said += int((likely.argmin(-1) == batch.labels).sum())
-    return Agreement(hits / len(lessons), said / len(lessons))
-
-
-def _nats(net: HighLevelNet, thoughts: Tensor, row: Tensor) -> Tensor:
-    """-log p of one phrase for each thought, [B]."""
-    return net.text.nats(thoughts, row.expand(len(thoughts), -1))

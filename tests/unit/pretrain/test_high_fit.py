@@ -8,16 +8,16 @@ import torch
 
 from services.learner.pretrain import high_fit
 from services.learner.pretrain.demonstrate import Demonstrations, Lesson, demonstrate
-from services.learner.pretrain.high_fit import agreement, fit_high
+from services.learner.pretrain.high_fit import fit_high
 from services.learner.pretrain.meanings import PLACES, SKIPPED, Prompts, Reader, meanings_of
 from shared.goals.language.bank import PhraseBank
 from shared.goals.language.encoder import shared_encoder
 from shared.policies.checkpoint import sha256_tensors
-from shared.policies.fit import FitSettings
+from shared.policies.fit import FitSettings, agreement
 from shared.policies.high_level import BASE_VERSION, HighLevel
 from shared.policies.high_net import HighLevelNet
 from shared.policies.wishes import Wishes
-from shared.workcell.objects import OBJECT_NAMES
+from shared.workcell.objects import BIN, OBJECT_NAMES, TUB
 from shared.workcell.skills import COMMANDS
 
 SETTINGS = FitSettings(steps=4, batch=8)
@@ -48,7 +48,7 @@ def test_meanings_are_what_the_tasks_understand() -> None:
     assert found.told[denied].all()
     assert not found.told[sided, rows["bread"]]
     places = {name: int(found.place[bus, rows[name]]) for name in ("cup", "can", "bread")}
-    assert places == {"cup": PLACES.index("tub"), "can": PLACES.index("bin"), "bread": SKIPPED}
+    assert places == {"cup": PLACES.index(TUB), "can": PLACES.index(BIN), "bread": SKIPPED}
 
 
 def test_a_wish_is_read_word_by_word() -> None:
@@ -93,5 +93,5 @@ def fitted(lessons: Demonstrations, most: int, kept: Path | None) -> tuple[HighL
     net, bank = HighLevelNet(), PhraseBank.of(COMMANDS)
     net.learn_senses(torch.from_numpy(lessons.examples.senses))
     fit_high(net, bank, lessons, SETTINGS, progress, prompts=6, kept=kept)
-    assert 0 <= agreement(net, bank, lessons).text <= 1
+    assert 0 <= agreement(net, bank, lessons.examples).text <= 1
     return HighLevel(net, bank, BASE_VERSION), told
