@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Annotated, Any, Optional
 
 import typer
+from rich import box
 from rich.console import Console
 from rich.table import Table
 
@@ -41,7 +42,11 @@ def list_versions(data: Data = Path("runs/up"), report: Report = None) -> None:
         versions, rounds = versions_of(store), store.rounds()
     content = {"schema": SCHEMA, "versions": _told(versions, rounds), "rounds": _ended(rounds)}
     _write(report, content)
-    Console().print(_table(versions, rounds))
+    console = Console()
+    console.print(_table(versions, rounds))
+    for round_ in rounds:
+        if round_.reason:
+            console.print(f"round {round_.number}: {round_.reason}", markup=False)
 
 
 @app.command()
@@ -120,13 +125,15 @@ def _ended(rounds: Sequence[Round]) -> list[dict[str, Any]]:
 
 
 def _table(versions: Sequence[PolicyRecord], rounds: Sequence[Round]) -> Table:
-    columns = ("version", "round", "when", "episodes", "corrections", "labels")
-    table = Table(*columns, "held out", "demonstrations", "what became of it")
+    """It fits into 80 columns; times, labels and the rest stand in the report."""
+    table = Table(box=box.SIMPLE)
+    for name in ("version", "round", "episodes", "corrections", "held out", "retained"):
+        table.add_column(name, no_wrap=True)
+    table.add_column("outcome")
     for version in versions:
         if _made_by(version, rounds) is None:
-            base = "in force" if version is versions[-1] else "replaced"
-            when = _when(version.created_ns)
-            table.add_row(f"{version.epoch}.{version.number}", "", when, *[""] * 5, base)
+            outcome = "in force" if version is versions[-1] else "replaced"
+            table.add_row(f"{version.epoch}.{version.number}", *[""] * 5, outcome)
     for round_ in rounds:
         table.add_row(*_row(round_, versions))
     return table
@@ -134,17 +141,14 @@ def _table(versions: Sequence[PolicyRecord], rounds: Sequence[Round]) -> Table:
 
 def _row(round_: Round, versions: Sequence[PolicyRecord]) -> list[str]:
     figures = round_.figures
-    in_force = bool(versions) and round_.made == versions[-1].number
-    outcome = round_.reason or ("in force" if in_force else str(round_.state))
-    if round_.state is RoundState.PASSED and not in_force:
-        outcome = "replaced"
+    outcome = str(round_.state)
+    if round_.state is RoundState.PASSED:
+        outcome = "in force" if round_.made == versions[-1].number else "replaced"
     return [
         f"{round_.epoch}.{round_.made}" if round_.made is not None else "",
         str(round_.number),
-        _when(round_.ended_ns or round_.begun_ns),
         str(round_.manifest.episodes),
         str(round_.manifest.corrections),
-        str(figures.get("labels", "")),
         _change(figures.get("before"), figures.get("after")),
         _change(figures.get("retained_before"), figures.get("retained_after")),
         outcome,

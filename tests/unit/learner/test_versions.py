@@ -11,7 +11,7 @@ from services.learner.store.store import Manifest, Marks, PolicyRecord, Round, R
 from services.learner.versions import app
 from tests.unit.learner.test_learner_store import REF
 
-RUN = CliRunner(env={"COLUMNS": "200"})
+RUN = CliRunner(env={"COLUMNS": "80"})
 
 
 def record(number: int) -> PolicyRecord:
@@ -59,7 +59,7 @@ def test_the_list_has_every_version_and_round_and_why_one_was_refused(
     report = tmp_path / "deep" / "list.json"
     result = RUN.invoke(app, ["list", "--data", str(data), "--report", str(report)])
     assert result.exit_code == 0, result.output
-    for text in ("1.0", "1.1", "in force", "0.50 → 0.75", "it agrees with 0.100"):
+    for text in ("1.0", "1.1", "in force", "0.50 → 0.75", "round 2: it agrees with 0.100"):
         assert text in result.output
     told = json.loads(report.read_text())
     assert [one["in_force"] for one in told["versions"]] == [False, True]
