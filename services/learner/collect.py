@@ -14,6 +14,7 @@ from shared.messages.correction import Correction
 from shared.messages.decision import Decision
 from shared.messages.episode import Episode
 from shared.messages.receipt import Receipt
+from shared.messages.ruling import Ruling
 from shared.seeds import COLLECTION, purpose
 from shared.wire.bus import Bus, Subscription
 from shared.wire.codec import decode
@@ -51,12 +52,13 @@ class Collector:
         """
         address = parse(key)
         message = _DECODE[address.message](payload)
-        if address.service == ACTOR and message.robot != address.id:
-            raise MessageError(f"{message.robot}'s {address.message} came as {address.id}'s")
+        robot = "" if isinstance(message, Ruling) else message.robot
+        if address.service == ACTOR and robot != address.id:
+            raise MessageError(f"{robot}'s {address.message} came as {address.id}'s")
         if isinstance(message, Episode):
             _check_seed(message)
         if self._store.add(message, self._clock.now_ns()):
-            self._log.debug("kept", message=address.message, robot=message.robot)
+            self._log.debug("kept", message=address.message, robot=robot)
         return OK
 
 
@@ -78,5 +80,6 @@ _DECODE: dict[str, Callable[[bytes], Kept]] = {
     "episode": _reader(Episode),
     "correction": _reader(Correction),
     "receipt": _reader(Receipt),
+    "ruling": _reader(Ruling),
 }
-_FROM_API = ("correction", "receipt")
+_FROM_API = ("correction", "receipt", "ruling")

@@ -17,7 +17,7 @@ from rich.table import Table
 
 from services.learner.build import STORE_FILE
 from services.learner.store.sql import SqlStore, sqlite_url
-from services.learner.store.store import PolicyRecord, Round, RoundState, Store
+from services.learner.store.store import PolicyRecord, Round, RoundState
 from shared.config import exit_misconfigured
 from shared.errors import ConfigError
 from shared.service import run_app
@@ -39,7 +39,7 @@ def _policy() -> None:
 def list_versions(data: Data = Path("runs/up"), report: Report = None) -> None:
     """All rounds: what each was made from, what the gate said, and the version that it made."""
     with closing(_store(data)) as store:
-        versions, rounds = versions_of(store), store.rounds()
+        versions, rounds = store.versions(), store.rounds()
     content = {"schema": SCHEMA, "versions": _told(versions, rounds), "rounds": _ended(rounds)}
     _write(report, content)
     console = Console()
@@ -57,20 +57,13 @@ def show(
 ) -> None:
     """One version: its round with manifest, seed, settings and figures, bank and tensors."""
     with closing(_store(data)) as store:
-        versions, rounds = versions_of(store), store.rounds()
+        versions, rounds = store.versions(), store.rounds()
     if number >= len(versions):
         known = f"there are 0 to {len(versions) - 1}" if versions else "there is none yet"
         exit_misconfigured("policy", ConfigError(f"no version {number} in {data}; {known}"))
     content = {"schema": SCHEMA, **detail(versions[number], rounds)}
     _write(report, content)
     Console().print_json(json.dumps(content, ensure_ascii=False))
-
-
-def versions_of(store: Store) -> tuple[PolicyRecord, ...]:
-    """All versions, the oldest first; the last one is in force."""
-    newest = store.version()
-    numbers = range(newest.number + 1) if newest else ()
-    return tuple(record for number in numbers if (record := store.version(number)))
 
 
 def detail(version: PolicyRecord, rounds: Sequence[Round]) -> dict[str, Any]:

@@ -19,6 +19,7 @@ from shared.messages.message import Message
 from shared.messages.observation import Observation
 from shared.messages.policy import PolicyAnnouncement, TensorRef, Version
 from shared.messages.receipt import Receipt
+from shared.messages.ruling import Ruling, Verb
 from shared.wire.codec import encode
 
 GOLDEN = Path(__file__).parent / "golden"
@@ -33,7 +34,11 @@ NUMBERS: dict[type[Message], int] = {
     PolicyAnnouncement: 1,
     Receipt: 1,
     RobotHeartbeat: 1,
+    Ruling: 1,
 }
+
+UNFIT: dict[type[Message], set[str]] = {Ruling: {"round", "version"}}
+"""Fields that can't be set together with those that are."""
 
 CHEESE = LanguageGoal(text="pick up the cheese")
 HAM = LanguageGoal(text="pick up the ham")
@@ -54,7 +59,7 @@ def samples() -> dict[type[Message], Message]:
     """The message of each class."""
     made: tuple[Message, ...] = (
         correction(), decision(), episode(), frame(), learner(), observation(), policy(),
-        receipt(), robot(),
+        receipt(), robot(), ruling(),
     )  # fmt: skip
     return {type(message): message for message in made}
 
@@ -199,6 +204,18 @@ def policy() -> PolicyAnnouncement:
         bank=("pick up the cheese", "wait"),
         low_level_sha256="ab" * 32,
         settings={"width": 128, "temperature": 0.5, "head": "linear", "deep": False},
+    )
+
+
+def ruling() -> Ruling:
+    return Ruling(
+        id="rule-1",
+        verb=Verb.ALIAS,
+        author="anna",
+        phrase="grab the yellow slice",
+        means="pick up the cheese",
+        reason="it is the only yellow slice – sicher",
+        created_ns=TIME_NS,
     )
 
 

@@ -6,6 +6,7 @@ from typing import Any
 
 from services.learner.store.rows import id_of
 from services.learner.store.store import (
+    Answer,
     Arrival,
     DecisionHead,
     History,
@@ -17,12 +18,14 @@ from services.learner.store.store import (
     RoundState,
     Survey,
     Tally,
+    Trial,
 )
 from shared.errors import RefusedError
 from shared.messages.correction import Correction, Kind
 from shared.messages.decision import Decision
 from shared.messages.episode import Episode, Outcome
 from shared.messages.receipt import Receipt
+from shared.messages.ruling import Ruling
 from shared.wire.codec import encode
 
 
@@ -32,11 +35,13 @@ class MemoryStore:
     def __init__(self) -> None:
         self._lock = threading.RLock()
         self._kept: dict[type[Kept], dict[str, tuple[Any, int]]] = {
-            kind: {} for kind in (Decision, Correction, Receipt, Episode)
+            kind: {} for kind in (Decision, Correction, Receipt, Episode, Ruling)
         }
         self._epochs: list[str] = []
         self._rounds: dict[int, Round] = {}
         self._versions: dict[int, PolicyRecord] = {}
+        self._answers: dict[str, Answer] = {}
+        self._trials: dict[tuple[str, str, int], Trial] = {}
 
     def close(self) -> None:
         """Nothing to give back."""
@@ -60,6 +65,7 @@ class MemoryStore:
                 corrections=len(self._kept[Correction]),
                 receipts=len(self._kept[Receipt]),
                 episodes=len(self._kept[Episode]),
+                rulings=len(self._kept[Ruling]),
             )
 
     def tally(self, since: Marks) -> Tally:
@@ -115,6 +121,7 @@ class MemoryStore:
                 tuple(first(Correction, marks.corrections)),
                 tuple(first(Receipt, marks.receipts)),
                 tuple(episodes),
+                tuple([*self._all(Ruling)][: marks.rulings]),
             )
 
     def decisions(self, ids: Iterable[str]) -> Iterator[Decision]:
@@ -141,16 +148,31 @@ class MemoryStore:
                 raise RefusedError(f"round {round_.number} was begun before")
             self._rounds[round_.number] = round_
 
+    def advance(self, round_: Round, version: PolicyRecord | None = None) -> None:
+        with self._lock:
+            self._check_running(round_)
+            if version is not None:
+                self._keep(version)
+            self._rounds[round_.number] = round_
+
     def end(self, round_: Round, version: PolicyRecord | None = None) -> None:
         with self._lock:
+            self._check_running(round_)
             if version is not None:
-                self._check_epoch(version.epoch)
-            held = self._rounds.get(round_.number)
-            if held is None or held.state is not RoundState.RUNNING:
-                raise RefusedError(f"round {round_.number} is not running")
+                self._keep(version, trial=version.number == round_.made)
             self._rounds[round_.number] = round_
-            if version is not None:
-                self._versions[version.number] = version
+
+    def _check_running(self, round_: Round) -> None:
+        held = self._rounds.get(round_.number)
+        if held is None or held.state is not RoundState.RUNNING:
+            raise RefusedError(f"round {round_.number} is not running")
+
+    def _keep(self, version: PolicyRecord, trial: bool = False) -> None:
+        self._check_epoch(version.epoch)
+        held = self._versions.get(version.number)
+        if held is not None and not (held.robots and trial):
+            raise RefusedError(f"there is a version {version.number} already")
+        self._versions[version.number] = version
 
     def rounds(self) -> tuple[Round, ...]:
         with self._lock:
@@ -165,8 +187,42 @@ class MemoryStore:
 
     def version(self, number: int | None = None) -> PolicyRecord | None:
         with self._lock:
-            wanted = max(self._versions, default=0) if number is None else number
-            return self._versions.get(wanted)
+            if number is not None:
+                return self._versions.get(number)
+            return next((one for one in reversed(self.versions()) if not one.robots), None)
+
+    def versions(self) -> tuple[PolicyRecord, ...]:
+        with self._lock:
+            return tuple(self._versions[number] for number in sorted(self._versions))
+
+    # -- what people decided, and what the gate tried
+
+    def answers(self) -> tuple[Answer, ...]:
+        with self._lock:
+            return tuple(
+                self._answers.get(ruling.id, Answer(ruling=ruling)) for ruling in self._all(Ruling)
+            )
+
+    def answer(self, answer: Answer, version: PolicyRecord | None = None) -> None:
+        with self._lock:
+            id_ = answer.ruling.id
+            if id_ in self._answers or id_ not in self._kept[Ruling]:
+                raise RefusedError(f"ruling {id_} is unknown or was answered before")
+            if version is not None:
+                self._keep(version)
+            self._answers[id_] = answer
+
+    def trials(self, policy: str, plan: str) -> dict[int, Trial]:
+        with self._lock:
+            kept = self._trials.values()
+            return {one.seed: one for one in kept if (one.policy, one.plan) == (policy, plan)}
+
+    def add_trial(self, trial: Trial) -> bool:
+        with self._lock:
+            place = (trial.policy, trial.plan, trial.seed)
+            fresh = place not in self._trials
+            self._trials.setdefault(place, trial)
+            return fresh
 
     def _check_epoch(self, mine: int) -> None:
         if len(self._epochs) != mine:
@@ -183,4 +239,5 @@ def head_of(decision: Decision) -> DecisionHead:
         decision.executed.text,
         decision.proposed[0].goal.text,
         decision.chosen_by,
+        decision.time_ns,
     )

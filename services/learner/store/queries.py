@@ -10,12 +10,31 @@ from sqlalchemy import (
     Select,
     and_,
     func,
+    insert,
     or_,
     select,
+    update,
 )
 
-from services.learner.store.store import Arrival, Manifest, Marks, Tally
-from services.learner.store.tables import CORRECTIONS, DECISIONS, EPISODES, EPOCHS, RECEIPTS
+from services.learner.store.store import (
+    Arrival,
+    Manifest,
+    Marks,
+    PolicyRecord,
+    Round,
+    RoundState,
+    Tally,
+)
+from services.learner.store.tables import (
+    CORRECTIONS,
+    DECISIONS,
+    EPISODES,
+    EPOCHS,
+    RECEIPTS,
+    ROUNDS,
+    RULINGS,
+    VERSIONS,
+)
 from shared.errors import RefusedError
 from shared.messages.correction import Kind
 from shared.messages.episode import Outcome
@@ -38,7 +57,7 @@ def check_epoch(connection: Connection, mine: int) -> None:
 
 def marks(connection: Connection) -> Marks:
     """The last row of each table of arrivals."""
-    tables = (DECISIONS, CORRECTIONS, RECEIPTS, EPISODES)
+    tables = (DECISIONS, CORRECTIONS, RECEIPTS, EPISODES, RULINGS)
     last = (connection.scalar(select(func.max(table.c.sequence))) for table in tables)
     return Marks(**{table.name: number or 0 for table, number in zip(tables, last, strict=True)})
 
@@ -99,6 +118,39 @@ def episodes_of(manifest: Manifest) -> Callable[[ColumnElement[Any]], Select[Any
         )
 
     return choose
+
+
+def keep_version(connection: Connection, version: PolicyRecord, trial: bool = False) -> None:
+    """Keep a version. trial: one of its number that is on trial gives way to it.
+
+    Raises:
+        RefusedError: its epoch is no longer in force, or its number is taken.
+    """
+    check_epoch(connection, version.epoch)
+    taken = VERSIONS.c.number == version.number
+    held = connection.scalar(select(VERSIONS.c.robots).where(taken))
+    row = version.model_dump(mode="json")
+    if held is None:
+        connection.execute(insert(VERSIONS).values(**row))
+    elif held and trial:
+        connection.execute(update(VERSIONS).where(taken).values(**row))
+    else:
+        raise RefusedError(f"there is a version {version.number} already")
+
+
+def keep_round(connection: Connection, round_: Round) -> None:
+    """Keep what has become of a round.
+
+    Raises:
+        RefusedError: it is not running.
+    """
+    kept = connection.execute(
+        update(ROUNDS)
+        .where(ROUNDS.c.number == round_.number, ROUNDS.c.state == RoundState.RUNNING)
+        .values(**round_.model_dump(mode="json"))
+    )
+    if kept.rowcount != 1:
+        raise RefusedError(f"round {round_.number} is not running")
 
 
 # Accepted receipts with the override that each of them answers.

@@ -6,12 +6,13 @@ from typing import Any
 from sqlalchemy import Table
 
 from services.learner.store.store import Kept
-from services.learner.store.tables import CORRECTIONS, DECISIONS, EPISODES, RECEIPTS
+from services.learner.store.tables import CORRECTIONS, DECISIONS, EPISODES, RECEIPTS, RULINGS
 from shared.messages.correction import Correction
 from shared.messages.decision import Decision
 from shared.messages.episode import Episode
 from shared.messages.message import Message
 from shared.messages.receipt import Receipt
+from shared.messages.ruling import Ruling
 from shared.wire.codec import encode
 
 Row = dict[str, Any]
@@ -31,9 +32,9 @@ def row_of(message: Kept, now_ns: int) -> Row:
     """All columns of a message but its place in the order of arrival."""
     return {
         "id": id_of(message),
-        "robot": message.robot,
         "body": encode(message),
         "arrived_ns": now_ns,
+        **({} if isinstance(message, Ruling) else {"robot": message.robot}),
         **_PLACES[type(message)][1](message),
     }
 
@@ -46,6 +47,7 @@ def _decision(message: Decision) -> Row:
         "best": message.proposed[0].goal.text,
         "chosen_by": message.chosen_by,
         "version": str(message.version),
+        "time_ns": message.time_ns,
     }
 
 
@@ -68,9 +70,14 @@ def _episode(message: Episode) -> Row:
     }
 
 
+def _ruling(message: Ruling) -> Row:
+    return {"verb": str(message.verb), "author": message.author}
+
+
 _PLACES: dict[type[Message], tuple[Table, Callable[[Any], Row]]] = {
     Decision: (DECISIONS, _decision),
     Correction: (CORRECTIONS, _correction),
     Receipt: (RECEIPTS, _receipt),
     Episode: (EPISODES, _episode),
+    Ruling: (RULINGS, _ruling),
 }

@@ -4,12 +4,13 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-from sqlalchemy import Connection, Engine, create_engine, event, func, insert, select, update
+from sqlalchemy import Connection, Engine, create_engine, event, func, insert, select, true, update
 
 from services.learner.store import queries
 from services.learner.store.migrate import migrate
 from services.learner.store.rows import id_of, row_of, table_of
 from services.learner.store.store import (
+    Answer,
     DecisionHead,
     History,
     Kept,
@@ -17,9 +18,9 @@ from services.learner.store.store import (
     Marks,
     PolicyRecord,
     Round,
-    RoundState,
     Survey,
     Tally,
+    Trial,
 )
 from services.learner.store.tables import (
     CORRECTIONS,
@@ -28,6 +29,8 @@ from services.learner.store.tables import (
     EPOCHS,
     RECEIPTS,
     ROUNDS,
+    RULINGS,
+    TRIALS,
     VERSIONS,
 )
 from services.learner.store.writer import Writer
@@ -36,6 +39,7 @@ from shared.messages.correction import Correction
 from shared.messages.decision import Decision
 from shared.messages.episode import Episode
 from shared.messages.receipt import Receipt
+from shared.messages.ruling import Ruling
 from shared.wire.codec import decode
 
 
@@ -123,15 +127,19 @@ class SqlStore:
                 RECEIPTS.c.sequence <= marks.receipts,
                 RECEIPTS.c.episode.in_(known(EPISODES.c.id)),
             ),
+            select(RULINGS.c.body).where(RULINGS.c.sequence <= marks.rulings),
         )
         with self._engine.begin() as connection:
             decisions = tuple(DecisionHead(*row) for row in connection.execute(heads))
-            episodes, corrections, receipts = ([*connection.scalars(body)] for body in bodies)
+            episodes, corrections, receipts, rulings = (
+                [*connection.scalars(body)] for body in bodies
+            )
         return History(
             decisions,
             tuple(decode(Correction, body) for body in corrections),
             tuple(decode(Receipt, body) for body in receipts),
             tuple(decode(Episode, body) for body in episodes),
+            tuple(decode(Ruling, body) for body in rulings),
         )
 
     def decisions(self, ids: Iterable[str]) -> Iterator[Decision]:
@@ -167,18 +175,19 @@ class SqlStore:
 
         self._writer.do(work)
 
+    def advance(self, round_: Round, version: PolicyRecord | None = None) -> None:
+        def work(connection: Connection) -> None:
+            if version is not None:
+                queries.keep_version(connection, version)
+            queries.keep_round(connection, round_)
+
+        self._writer.do(work)
+
     def end(self, round_: Round, version: PolicyRecord | None = None) -> None:
         def work(connection: Connection) -> None:
             if version is not None:
-                queries.check_epoch(connection, version.epoch)
-                connection.execute(insert(VERSIONS).values(**version.model_dump(mode="json")))
-            ended = connection.execute(
-                update(ROUNDS)
-                .where(ROUNDS.c.number == round_.number, ROUNDS.c.state == RoundState.RUNNING)
-                .values(**round_.model_dump(mode="json"))
-            )
-            if ended.rowcount != 1:
-                raise RefusedError(f"round {round_.number} is not running")
+                queries.keep_version(connection, version, trial=version.number == round_.made)
+            queries.keep_round(connection, round_)
 
         self._writer.do(work)
 
@@ -197,9 +206,57 @@ class SqlStore:
         self._writer.do(work)
 
     def version(self, number: int | None = None) -> PolicyRecord | None:
-        query = select(VERSIONS).order_by(VERSIONS.c.number.desc()).limit(1)
-        if number is not None:
-            query = query.where(VERSIONS.c.number == number)
+        versions = self.versions()
+        if number is None:
+            return next((one for one in reversed(versions) if not one.robots), None)
+        return next((one for one in versions if one.number == number), None)
+
+    def versions(self) -> tuple[PolicyRecord, ...]:
         with self._engine.begin() as connection:
-            row = connection.execute(query).mappings().one_or_none()
-            return None if row is None else PolicyRecord.model_validate(dict(row))
+            rows = connection.execute(select(VERSIONS).order_by(VERSIONS.c.number)).mappings()
+            return tuple(PolicyRecord.model_validate(dict(row)) for row in rows)
+
+    # -- what people decided, and what the gate tried
+
+    def answers(self) -> tuple[Answer, ...]:
+        names = ("body", "answered_ns", "made", "reason")
+        query = select(*(RULINGS.c[name] for name in names)).order_by(RULINGS.c.sequence)
+        with self._engine.begin() as connection:
+            return tuple(
+                Answer(
+                    ruling=decode(Ruling, body), answered_ns=answered_ns, made=made, reason=reason
+                )
+                for body, answered_ns, made, reason in connection.execute(query)
+            )
+
+    def answer(self, answer: Answer, version: PolicyRecord | None = None) -> None:
+        def work(connection: Connection) -> None:
+            if version is not None:
+                queries.keep_version(connection, version)
+            answered = connection.execute(
+                update(RULINGS)
+                .where(RULINGS.c.id == answer.ruling.id, RULINGS.c.answered_ns.is_(None))
+                .values(answered_ns=answer.answered_ns, made=answer.made, reason=answer.reason)
+            )
+            if answered.rowcount != 1:
+                raise RefusedError(f"ruling {answer.ruling.id} is unknown or was answered before")
+
+        self._writer.do(work)
+
+    def trials(self, policy: str, plan: str) -> dict[int, Trial]:
+        query = select(TRIALS).where(TRIALS.c.policy == policy, TRIALS.c.plan == plan)
+        with self._engine.begin() as connection:
+            rows = connection.execute(query).mappings()
+            return {row["seed"]: Trial.model_validate(dict(row)) for row in rows}
+
+    def add_trial(self, trial: Trial) -> bool:
+        row = trial.model_dump(mode="json")
+        keys = [TRIALS.c[name] == row[name] for name in ("policy", "plan", "seed")]
+
+        def work(connection: Connection) -> bool:
+            fresh = connection.scalar(select(true()).where(*keys)) is None
+            if fresh:
+                connection.execute(insert(TRIALS).values(**row))
+            return fresh
+
+        return self._writer.do(work)

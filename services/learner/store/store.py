@@ -14,8 +14,9 @@ from shared.messages.decision import Decision
 from shared.messages.episode import Episode
 from shared.messages.policy import TensorRef
 from shared.messages.receipt import Receipt
+from shared.messages.ruling import Ruling
 
-Kept = Decision | Correction | Receipt | Episode
+Kept = Decision | Correction | Receipt | Episode | Ruling
 
 
 class _Record(BaseModel):
@@ -23,12 +24,13 @@ class _Record(BaseModel):
 
 
 class Marks(_Record):
-    """How far the four tables of arrivals had grown: the number of the last row of each."""
+    """How far the tables of arrivals had grown: the number of the last row of each."""
 
     decisions: int = 0
     corrections: int = 0
     receipts: int = 0
     episodes: int = 0
+    rulings: int = 0
 
 
 class Manifest(_Record):
@@ -60,7 +62,8 @@ class Round(_Record):
     """One turn of DAgger.
 
     parent: the number of the version that it started from. made: that of the one that it made.
-    epoch: of the learner that began it. figures: what the training reported.
+    epoch: of the learner that began it. figures: what training and gate reported.
+    candidate: what the training made, as JSON values; kept from then on, whatever comes of it.
     reason: why it was refused or failed. Times are wall-clock, in ns.
     """
 
@@ -72,6 +75,7 @@ class Round(_Record):
     begun_ns: int
     state: RoundState = RoundState.RUNNING
     figures: dict[str, Any] = Field(default_factory=dict)
+    candidate: dict[str, Any] | None = None
     reason: str = ""
     ended_ns: int | None = None
     made: int | None = None
@@ -82,6 +86,9 @@ class PolicyRecord(_Record):
 
     number: the second half of the version; the first is the epoch of who announces it.
     epoch: of the learner that made it. marks: how far the tables had grown then.
+    robots: those that alone are to run it, as a trial; none named: all.
+    again: the number of the version whose weights it has again. ruling: the id of what somebody
+    decided, if that is how it came about.
     """
 
     number: int
@@ -92,12 +99,41 @@ class PolicyRecord(_Record):
     low_level_sha256: str
     marks: Marks
     created_ns: int
+    robots: tuple[str, ...] = ()
+    again: int | None = None
+    ruling: str = ""
+
+
+class Answer(_Record):
+    """What became of a ruling. made: the number of the version that it put in force.
+
+    reason: why it could not be done; "" where it was.
+    """
+
+    ruling: Ruling
+    answered_ns: int | None = None
+    made: int | None = None
+    reason: str = ""
+
+
+class Trial(_Record):
+    """One episode of a gate's evaluation.
+
+    policy, plan: hashes of what was evaluated, and of where and how. row: as `hld evaluate` has it.
+    """
+
+    policy: str
+    plan: str
+    seed: int
+    success: bool
+    row: dict[str, Any]
 
 
 class DecisionHead(NamedTuple):
     """What the labels are derived from: a decision without its pictures.
 
     executed: the text of the goal in force. best: the text of the first proposal.
+    time_ns: when the robot took it, by its clock; None in records of before this was kept.
     """
 
     id: str
@@ -107,6 +143,7 @@ class DecisionHead(NamedTuple):
     executed: str
     best: str
     chosen_by: str
+    time_ns: int | None = None
 
 
 class History(NamedTuple):
@@ -116,6 +153,7 @@ class History(NamedTuple):
     corrections: tuple[Correction, ...]
     receipts: tuple[Receipt, ...]
     episodes: tuple[Episode, ...]
+    rulings: tuple[Ruling, ...] = ()
 
 
 class Arrival(NamedTuple):
@@ -197,11 +235,22 @@ class Store(Protocol):
         """
         ...
 
+    def advance(self, round_: Round, version: PolicyRecord | None = None) -> None:
+        """Keep how far a running round has come, and the version that it sends on trial.
+
+        Raises:
+            RefusedError: as for `end`.
+        """
+        ...
+
     def end(self, round_: Round, version: PolicyRecord | None = None) -> None:
         """Keep how a round ended, together with the version that it made; both or neither.
 
+        A version that was on trial is replaced by `version`, if that has its number.
+
         Raises:
-            RefusedError: the epoch of `version` is no longer in force, or the round is not running.
+            RefusedError: the epoch of `version` is no longer in force, the round is not running,
+                or the version is there already.
         """
         ...
 
@@ -218,7 +267,32 @@ class Store(Protocol):
         ...
 
     def version(self, number: int | None = None) -> PolicyRecord | None:
-        """A version by its number; None asks for the one in force, the newest."""
+        """A version by its number; None asks for the one in force, the newest that all run."""
+        ...
+
+    def versions(self) -> tuple[PolicyRecord, ...]:
+        """All versions, the oldest first."""
+        ...
+
+    def answers(self) -> tuple[Answer, ...]:
+        """All rulings in order of arrival, with what became of them."""
+        ...
+
+    def answer(self, answer: Answer, version: PolicyRecord | None = None) -> None:
+        """Keep what became of a ruling, together with the version that it made; both or neither.
+
+        Raises:
+            RefusedError: it was answered before, the epoch of `version` is no longer in force, or
+                the version is there already.
+        """
+        ...
+
+    def trials(self, policy: str, plan: str) -> dict[int, Trial]:
+        """What was evaluated of a policy in a plan, by seed."""
+        ...
+
+    def add_trial(self, trial: Trial) -> bool:
+        """Keep one; False where it was here already."""
         ...
 
     def close(self) -> None:

@@ -1,8 +1,8 @@
 """The tables of the learner's store, as they are in force; `revisions/` says how they came to be.
 
-Four tables hold what arrived, append-only and in order of arrival: `body` is the message as it
+Five tables hold what arrived, append-only and in order of arrival: `body` is the message as it
 travelled, the columns beside it are those that are asked for. There are no foreign keys between
-the four, because they come from different outboxes and may overtake one another.
+them, because they come from different outboxes and may overtake one another.
 """
 
 from sqlalchemy import (
@@ -47,6 +47,7 @@ DECISIONS = Table(
     Column("version", String(32), nullable=False),
     Column("body", LargeBinary, nullable=False),
     Column("arrived_ns", BigInteger, nullable=False),
+    Column("time_ns", BigInteger, nullable=True),
     sqlite_autoincrement=True,
 )
 
@@ -94,6 +95,31 @@ EPISODES = Table(
     sqlite_autoincrement=True,
 )
 
+RULINGS = Table(
+    "rulings",
+    METADATA,
+    Column("sequence", COUNTER, primary_key=True, autoincrement=True),
+    Column("id", ID, nullable=False, unique=True),
+    Column("verb", String(16), nullable=False),
+    Column("author", ID, nullable=False),
+    Column("body", LargeBinary, nullable=False),
+    Column("arrived_ns", BigInteger, nullable=False),
+    Column("answered_ns", BigInteger, nullable=True),
+    Column("made", Integer, ForeignKey("versions.number"), nullable=True),
+    Column("reason", Text, nullable=False, server_default=""),
+    sqlite_autoincrement=True,
+)
+
+TRIALS = Table(
+    "trials",
+    METADATA,
+    Column("policy", String(64), primary_key=True),
+    Column("plan", String(64), primary_key=True),
+    Column("seed", BigInteger, primary_key=True, autoincrement=False),
+    Column("success", Boolean, nullable=False),
+    Column("row", JSON, nullable=False),
+)
+
 EPOCHS = Table(
     "epochs",
     METADATA,
@@ -113,6 +139,9 @@ VERSIONS = Table(
     Column("low_level_sha256", String(64), nullable=False),
     Column("marks", JSON, nullable=False),
     Column("created_ns", BigInteger, nullable=False),
+    Column("robots", JSON, nullable=False, server_default="[]"),
+    Column("again", Integer, nullable=True),
+    Column("ruling", ID, nullable=False, server_default=""),
 )
 
 ROUNDS = Table(
@@ -129,5 +158,6 @@ ROUNDS = Table(
     Column("reason", Text, nullable=False),
     Column("begun_ns", BigInteger, nullable=False),
     Column("ended_ns", BigInteger, nullable=True),
+    Column("candidate", JSON(none_as_null=True), nullable=True),
     Index("ix_rounds_state", "state"),
 )

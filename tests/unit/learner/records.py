@@ -10,6 +10,7 @@ from shared.messages.episode import Episode, Outcome
 from shared.messages.goal import LanguageGoal
 from shared.messages.policy import Version
 from shared.messages.receipt import Receipt
+from shared.messages.ruling import Ruling, Verb
 from shared.seeds import COLLECTION
 
 LOW = "a" * 64
@@ -95,3 +96,11 @@ def episode(id_: str = "e-1", **over: Any) -> Episode:
         "ended_ns": 2,
     }
     return Episode.model_validate({**fields, **over})
+
+
+def ruling(id_: str = "say-1", **over: Any) -> Ruling:
+    """Version 0 again; another verb where one is given."""
+    fields = {"id": id_, "verb": Verb.ROLLBACK, "author": "ada", "created_ns": 3}
+    if "verb" not in over:
+        fields["version"] = 0
+    return Ruling.model_validate({**fields, **over})

@@ -1,18 +1,22 @@
 """What every `Store` promises, held against each implementation; and what SQL adds to it."""
 
+import json
 import threading
 from collections.abc import Iterator
+from importlib import import_module
 from pathlib import Path
 
 import pytest
 from alembic.autogenerate import compare_metadata
+from alembic.operations import Operations
 from alembic.runtime.migration import MigrationContext
-from sqlalchemy import text
+from sqlalchemy import JSON, text
 
 from services.learner.store.memory import MemoryStore
 from services.learner.store.migrate import migrate
 from services.learner.store.sql import SqlStore, open_engine, sqlite_url
 from services.learner.store.store import (
+    Answer,
     Arrival,
     Kept,
     Manifest,
@@ -22,15 +26,25 @@ from services.learner.store.store import (
     RoundState,
     Store,
     Tally,
+    Trial,
 )
 from services.learner.store.tables import METADATA
 from services.learner.store.writer import StoreClosedError
 from shared.errors import RefusedError
 from shared.messages.policy import TensorRef
-from tests.unit.learner.records import HAM, LOW, TOAST, correction, decision, episode, receipt
+from tests.unit.learner.records import (
+    HAM,
+    LOW,
+    TOAST,
+    correction,
+    decision,
+    episode,
+    receipt,
+    ruling,
+)
 
 REF = TensorRef(name="w", sha256="c" * 64, dtype="float32", shape=(2,), size_bytes=8)
-MESSAGES: list[Kept] = [decision(), correction("c", HAM), receipt("c", 3), episode()]
+MESSAGES: list[Kept] = [decision(), correction("c", HAM), receipt("c", 3), episode(), ruling()]
 
 
 @pytest.fixture(params=["sqlite", "memory"])
@@ -82,6 +96,7 @@ def test_the_same_message_again_changes_nothing(store: Store, message: Kept) -> 
         (correction("c", HAM), correction("c", TOAST)),
         (receipt("c", 3), receipt("c", 4)),
         (episode(), episode(steps=9)),
+        (ruling(), ruling(version=1)),
     ],
 )
 def test_another_message_with_the_same_id_is_refused(
@@ -98,6 +113,8 @@ def test_history_gives_back_what_arrived_of_finished_episodes(store: Store) -> N
     for message in MESSAGES + others:
         store.add(message, 1)
     history = store.history(Manifest(marks=store.survey(Manifest()).marks))
+    assert history.rulings == (ruling(),)
+    assert history.decisions[0].time_ns == decision().time_ns
     assert [head.id for head in history.decisions] == ["e-1-0"]
     assert history.decisions[0].executed == decision().executed.text
     assert history.corrections == (correction("c", HAM),)
@@ -190,6 +207,46 @@ def test_a_round_begins_once_and_ends_once(store: Store) -> None:
     assert store.version() == policy(0)
 
 
+def test_a_version_on_trial_is_not_in_force_until_its_round_has_ended(store: Store) -> None:
+    founded(store).begin(a_round())
+    tried = policy(1).model_copy(update={"robots": ("robot-1",)})
+    running = a_round().model_copy(update={"candidate": {"bank": [HAM]}, "made": 1})
+    store.advance(running, tried)
+    assert store.rounds() == (running,)
+    assert (store.version(), store.versions()) == (policy(0), (policy(0), tried))
+    with pytest.raises(RefusedError, match="a version 1 already"):
+        store.advance(running, policy(1))
+    store.end(running.model_copy(update={"state": RoundState.PASSED}), policy(1))
+    assert (store.version(), store.versions()) == (policy(1), (policy(0), policy(1)))
+    with pytest.raises(RefusedError, match="not running"):
+        store.advance(running)
+
+
+def test_a_ruling_is_answered_once_together_with_the_version_it_made(store: Store) -> None:
+    founded(store).add(ruling("say-1"), 1)
+    store.add(ruling("say-2", verb="alias", phrase=HAM, means=TOAST), 2)
+    assert [answer.answered_ns for answer in store.answers()] == [None, None]
+    again = policy(1).model_copy(update={"again": 0, "ruling": "say-1"})
+    answer = Answer(ruling=ruling("say-1"), answered_ns=9, made=1)
+    store.answer(answer, again)
+    assert (store.answers()[0], store.version()) == (answer, again)
+    with pytest.raises(RefusedError, match="answered before"):
+        store.answer(answer, policy(2))
+    with pytest.raises(RefusedError, match="unknown"):
+        store.answer(Answer(ruling=ruling("say-3"), answered_ns=9))
+    assert store.version() == again
+
+
+def test_a_trial_is_kept_once_and_found_by_policy_and_plan(store: Store) -> None:
+    trials = [
+        Trial(policy=LOW, plan="p", seed=seed, success=seed > 3, row={"steps": seed})
+        for seed in (3, 4)
+    ]
+    assert [store.add_trial(trial) for trial in (*trials, trials[0])] == [True, True, False]
+    assert store.trials(LOW, "p") == {trial.seed: trial for trial in trials}
+    assert (store.trials(LOW, "q"), store.trials("b" * 64, "p")) == ({}, {})
+
+
 def test_a_store_is_founded_once(store: Store) -> None:
     assert store.version() is None
     with pytest.raises(RefusedError, match="a version already"):
@@ -217,8 +274,34 @@ def test_migrations_and_tables_say_the_same(tmp_path: Path) -> None:
         migrate(connection)
         context = MigrationContext.configure(connection, opts={"compare_type": True})
         assert compare_metadata(context, METADATA) == []
-        assert context.get_current_heads() == ("0001",)
+        assert context.get_current_heads() == ("0002",)
     engine.dispose()
+
+
+def test_a_store_of_the_first_form_is_brought_to_the_one_of_today(tmp_path: Path) -> None:
+    url = sqlite_url(tmp_path / "learner.db")
+    engine = open_engine(url)
+    with engine.begin() as connection:
+        context = MigrationContext.configure(connection)
+        with Operations.context(context):
+            import_module("services.learner.store.revisions.r0001_first").upgrade()
+        connection.exec_driver_sql("CREATE TABLE alembic_version (version_num VARCHAR(32))")
+        connection.exec_driver_sql("INSERT INTO alembic_version VALUES ('0001')")
+        connection.exec_driver_sql("INSERT INTO epochs VALUES (1, 'learner', 1)")
+        row = policy().model_dump(mode="json")
+        old = [name for name in row if name not in ("robots", "again", "ruling")]
+        table = METADATA.tables["versions"]
+        columns = ", ".join(old)
+        places = ", ".join(f":{name}" for name in old)
+        values = {
+            name: json.dumps(row[name]) if isinstance(table.c[name].type, JSON) else row[name]
+            for name in old
+        }
+        connection.execute(text(f"INSERT INTO versions ({columns}) VALUES ({places})"), values)
+    engine.dispose()
+    store = SqlStore(url)
+    assert (store.version(), store.epoch(), store.answers()) == (policy(), 1, ())
+    store.close()
 
 
 def test_a_store_opens_again_with_all_that_it_had(tmp_path: Path) -> None:
