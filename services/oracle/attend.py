@@ -10,9 +10,9 @@ import structlog
 
 from services.oracle.client import Client, GoneError, OverError
 from services.oracle.config import OracleSettings
-from services.oracle.judge import Kind, Verdict, judge
 from services.oracle.seen import Seen
 from shared.errors import HldError, RefusedError
+from shared.workcell.person import Kind, Verdict, judge, top
 
 ABSENT_S = 1.0
 log = structlog.get_logger()
@@ -55,7 +55,7 @@ class Attention:
         if seen.awaits_verdict:
             verdict = judge(seen, self._settings)
             if self._attempt and verdict.kind is Kind.RELEASE:
-                verdict = Verdict(Kind.OVERRIDE, seen.top)  # Somebody else let go before.
+                verdict = Verdict(Kind.OVERRIDE, top(seen))  # Somebody else let go before.
             await self._say(seen, verdict, time.time_ns())
         else:
             await self._react(seen)

@@ -4,13 +4,12 @@ from typing import Annotated
 
 from pydantic import Field, SecretStr
 
-from shared.config import Settings
+from shared.workcell.person import Habits
 
 Id = Annotated[str, Field(pattern=r"^[a-z0-9-]{1,64}$")]
-Share = Annotated[float, Field(ge=0, le=1)]
 
 
-class OracleSettings(Settings):
+class OracleSettings(Habits):
     """A person of given attention and skill.
 
     url: the correction API. token: what it asks for, where it does.
@@ -19,9 +18,7 @@ class OracleSettings(Settings):
     delay_steps: in supervised lockstep, from the decision to the effect of what is said.
     hold_steps: control steps that an override holds; None: until it is released.
     approve: say so when a command is right; None: only where the robot waits for it.
-    miss_rate: share of decisions that it doesn't look at: never approved, never corrected.
-    wrong_phrase_rate: share of overrides in which it says a wrong command.
-    seed: equal seeds miss and slip at equal scenes.
+    miss_rate, wrong_phrase_rate, seed: see `Habits`.
     wait_s: how long to wait for a decision before asking again. report_s: between two log lines.
     """
 
@@ -33,9 +30,6 @@ class OracleSettings(Settings):
     delay_steps: Annotated[int, Field(ge=0, le=10_000)] = 0
     hold_steps: Annotated[int, Field(ge=1, le=100_000)] | None = None
     approve: bool | None = None
-    miss_rate: Share = 0.0
-    wrong_phrase_rate: Share = 0.0
-    seed: Annotated[int, Field(ge=0)] = 0
     wait_s: Annotated[float, Field(gt=0, le=60)] = 5.0
     report_s: Annotated[float, Field(gt=0)] = 30.0
     log_level: str = "info"

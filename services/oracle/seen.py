@@ -1,13 +1,10 @@
 """What the oracle sees of a decision: the API's JSON, as any client would read it."""
 
-import re
 from typing import Any
 
 from pydantic import BaseModel, ConfigDict
 
 from shared.errors import HldError
-
-VERSION = re.compile(r"\d+\.\d+")
 
 
 class UnclearError(HldError):
@@ -49,21 +46,6 @@ class Seen(BaseModel):
     chosen_by: str
     awaits_verdict: bool
     truth: dict[str, Any]
-
-    @property
-    def held(self) -> bool:
-        """Somebody's override was holding."""
-        return not VERSION.fullmatch(self.chosen_by)
-
-    @property
-    def before(self) -> str | None:
-        """The command that was in force when the high level looked."""
-        return self.previous[-1] if self.previous else None
-
-    @property
-    def top(self) -> str:
-        """What the policy itself would do now."""
-        return self.proposed[0].goal.text
 
 
 def parse(content: bytes) -> Seen:

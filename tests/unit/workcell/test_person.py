@@ -2,13 +2,11 @@
 
 import pytest
 
-from services.oracle.config import OracleSettings
-from services.oracle.judge import Kind, Verdict, judge
-from services.oracle.seen import UnclearError, parse
 from shared.errors import WorkcellError
+from shared.workcell.person import Habits, Kind, Verdict, judge
 from tests.unit.oracle.scenes import scene, seen
 
-PERFECT = OracleSettings()
+PERFECT = Habits()
 BREAD, CHEESE, TOAST = "pick up the bread", "pick up the cheese", "pick up the toast"
 PLATE, DOWN = "put it on the plate", "put it down"
 HELD = "oracle-0123456789abcdef"
@@ -39,13 +37,13 @@ def test_it_says_no_more_than_is_needed(
 
 
 def test_a_missed_decision_is_passed_and_never_approved() -> None:
-    blind = OracleSettings(miss_rate=1.0)
+    blind = Habits(miss_rate=1.0)
     for executed in (BREAD, CHEESE):
         assert judge(seen(scene(), executed), blind) == Verdict(Kind.PASS, missed=True)
 
 
 def test_a_slip_of_the_tongue_is_never_right_by_chance() -> None:
-    clumsy = OracleSettings(wrong_phrase_rate=1.0)
+    clumsy = Habits(wrong_phrase_rate=1.0)
     said = {judge(seen(scene(seed=seed), CHEESE), clumsy) for seed in range(40)}
     assert {(verdict.kind, verdict.wrong) for verdict in said} == {(Kind.OVERRIDE, True)}
     assert BREAD not in {verdict.text for verdict in said}
@@ -53,7 +51,7 @@ def test_a_slip_of_the_tongue_is_never_right_by_chance() -> None:
 
 
 def test_rates_are_met_and_hang_on_the_scene_and_the_seed_alone() -> None:
-    settings = OracleSettings(miss_rate=0.3, seed=5)
+    settings = Habits(miss_rate=0.3, seed=5)
     scenes = [scene(seed=seed) for seed in range(200)]
     missed = [judge(seen(state, BREAD), settings).missed for state in scenes]
     assert 0.2 < sum(missed) / len(missed) < 0.4
@@ -68,12 +66,6 @@ def test_a_prompt_that_it_does_not_understand_is_an_error_and_no_verdict() -> No
         judge(seen(scene(), BREAD, prompt="fold the towel"), PERFECT)
 
 
-@pytest.mark.parametrize("content", [b"", b"{}", b"[]", b'{"id": 3}'])
-def test_an_answer_that_is_no_decision_is_an_error(content: bytes) -> None:
-    with pytest.raises(UnclearError):
-        parse(content)
-
-
 def test_what_a_prompt_meant_when_the_episode_began_is_taken_from_the_truth() -> None:
     """Left and right are the start's: things may have been moved since."""
     state, prompt = scene(), "pack only what is on the left into the bin"
@@ -86,6 +78,6 @@ def test_what_a_prompt_meant_when_the_episode_began_is_taken_from_the_truth() ->
 
 
 def test_a_slip_of_the_tongue_names_only_what_is_there() -> None:
-    clumsy = OracleSettings(wrong_phrase_rate=1.0)
+    clumsy = Habits(wrong_phrase_rate=1.0)
     said = {judge(seen(scene(seed=seed), CHEESE), clumsy).text for seed in range(60)}
     assert not any(word in str(text) for text in said for word in ("cup", "can", "napkin", "tub"))
