@@ -8,35 +8,33 @@ import os
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterable, Sequence
-from contextlib import closing, suppress
+from collections.abc import Callable, Sequence
+from contextlib import closing
+from pathlib import Path
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 
-from services.learner.aggregate import Label, canonical, derive, sha256_labels
+from services.learner.aggregate import Label, derive, sha256_labels
 from services.learner.balance import balance
 from services.learner.config import Recipe, TrainSettings
 from services.learner.gate import Candidate, Figures, keep_aside, split
+from services.learner.gather import agreement, gather, grow, known, open_version
 from services.learner.process import Job, Report
-from services.learner.publish import announcement
 from services.learner.store.sql import SqlStore
 from services.learner.store.store import PolicyRecord, Round, Store
-from services.learner.store.tensors import TensorFiles, unpack
-from shared.errors import HldError, PolicyError, RefusedError
-from shared.goals.language.bank import PhraseBank
-from shared.messages.decision import Decision
-from shared.messages.observation import Observation
+from services.learner.store.tensors import TensorFiles
+from shared.errors import HldError, PolicyError
 from shared.policies import examples
 from shared.policies.checkpoint import bundled
 from shared.policies.examples import Examples
-from shared.policies.fit import FitSettings, fit
-from shared.policies.fit import agreement as heads_agreement
+from shared.policies.fit import fit
+from shared.policies.fitter import FitSettings
 from shared.policies.high_level import HighLevel
 from shared.telemetry import set_up
 
 Progress = Callable[[float], None]
+Treatment = Callable[[Sequence[Label]], Sequence[Label]]
 
 
 def fine_tune(
@@ -45,8 +43,13 @@ def fine_tune(
     files: TensorFiles,
     demonstrations: Examples,
     progress: Progress,
+    under_way: Path | None = None,
+    treat: Treatment | None = None,
 ) -> Candidate:
     """Make the candidate of a round; the same manifest and seed give the same one.
+
+    under_way: file of what is being trained; a training that was cut off goes on from there.
+    treat: what an experiment does to the labels that are learned from; nobody else does.
 
     Raises:
         PolicyError: a version is missing, or there is nothing to learn from.
@@ -63,7 +66,8 @@ def fine_tune(
     if recipe.train.start == "base":
         policy = open_version(_record(store, 0), files)
     bank, spelling = grow(policy.bank, labels)
-    said = gather(balance(kept, recipe.balance), spelling, store) if kept else None
+    learned = [*treat(kept)] if treat else kept
+    said = gather(balance(learned, recipe.balance), spelling, store) if learned else None
 
     def told(step: int, steps: int, loss: float) -> bool:
         del loss  # Unused.
@@ -71,10 +75,11 @@ def fine_tune(
         return True
 
     settings = _fit_settings(recipe.train, round_.seed)
-    report = fit(policy.net, bank, demonstrations.take(replayed), said, settings, told)
+    replay = demonstrations.take(replayed)
+    report = fit(policy.net, bank, replay, said, settings, told, kept=under_way)
     policy = HighLevel(policy.net, bank, policy.version)
     figures = Figures(
-        labels=len(kept),
+        labels=len(learned),
         labels_sha256=sha256_labels(labels),
         held_out=len(held_out),
         loss=report.loss if np.isfinite(report.loss) else None,
@@ -91,95 +96,6 @@ def fine_tune(
         bank=bank.phrases,
         settings=policy.settings(),
         figures=figures,
-    )
-
-
-def open_version(record: PolicyRecord, files: TensorFiles) -> HighLevel:
-    """A kept version, ready to be asked or trained."""
-    tensors = {ref.name: unpack(ref, files.get(ref.sha256)) for ref in record.tensors}
-    return HighLevel.build(announcement(record, record.epoch, "learner"), tensors)
-
-
-def grow(bank: PhraseBank, labels: Sequence[Label]) -> tuple[PhraseBank, dict[str, str]]:
-    """A bank that holds every label, and how it spells each.
-
-    A phrase that nobody used before is added at the end: the head compares vectors, so it needs
-    no new weights.
-    """
-    spelling = {canonical(phrase): phrase for phrase in reversed(bank.phrases)}
-    for label in labels:
-        if label.text not in spelling:
-            bank = bank.add(label.text)
-            spelling[label.text] = label.text
-    return bank, spelling
-
-
-def gather(labels: Sequence[Label], spelling: dict[str, str], store: Store) -> Examples:
-    """The labelled decisions as the network reads them: what the high level saw, as it saw it."""
-    seen = [*store.decisions(label.decision for label in labels)]
-    looks = [[*_past(decision), decision.id] for decision in seen]
-    shown = _shown((name for names in looks for name in names), store)
-    number = {name: row for row, name in enumerate(shown)}
-    rows = np.full((len(looks), max(map(len, looks))), -1)
-    for row, names in zip(rows, looks, strict=True):
-        row[len(row) - len(names) :] = [number.get(name, -1) for name in names]
-    return Examples(
-        images=np.stack([*shown.values()]),
-        prompts=[decision.prompt for decision in seen],
-        previous=[decision.previous for decision in seen],
-        labels=[spelling[label.text] for label in labels],
-        weights=np.array([label.weight for label in labels], np.float32),
-        senses=np.stack([decision.arrays["proprioception"] for decision in seen]),
-        looks=rows,
-    )
-
-
-def _past(decision: Decision) -> list[str]:
-    """Ids of the earlier decisions whose pictures were shown with this one, oldest first."""
-    return [f"{decision.episode}-{index}" for index in decision.past]
-
-
-def _shown(ids: Iterable[str], store: Store) -> dict[str, NDArray[np.uint8]]:
-    """The pictures of decisions by their ids; those that never arrived are missing."""
-    shown = {}
-    for id_ in dict.fromkeys(ids):
-        with suppress(RefusedError):
-            shown[id_] = np.array(next(iter(store.decisions([id_]))).arrays["images"])
-    return shown
-
-
-def agreement(policy: HighLevel, labels: Sequence[Label], store: Store) -> float | None:
-    """The share of labels that a policy proposes first; None where there are none."""
-    if not labels:
-        return None
-    seen = store.decisions(label.decision for label in labels)
-    right = [
-        canonical(policy.propose(observation_of(decision), past_of(decision, store))[0].goal.text)
-        == label.text
-        for label, decision in zip(labels, seen, strict=True)
-    ]
-    return sum(right) / len(right)
-
-
-def known(policy: HighLevel, demonstrated: Examples) -> float | None:
-    """The share of demonstrated decisions that a policy's bank head takes rightly."""
-    if not len(demonstrated):
-        return None
-    return heads_agreement(policy.net, policy.bank, demonstrated).bank
-
-
-def past_of(decision: Decision, store: Store) -> list[NDArray[np.uint8]]:
-    """The earlier pictures that the high level was shown, oldest first."""
-    return [*_shown(_past(decision), store).values()]
-
-
-def observation_of(decision: Decision) -> Observation:
-    """What the high level saw when it took a decision; arrays of its own, as torch wants them."""
-    return Observation(
-        step=decision.step,
-        prompt=decision.prompt,
-        previous=decision.previous,
-        arrays={name: np.array(array) for name, array in decision.arrays.items()},
     )
 
 

@@ -9,12 +9,12 @@ Liu et al. 2023 (Sirius, arXiv 2211.08416), whose interventions have a share of 
 """
 
 import time
-from collections.abc import Callable, Iterable
-from typing import Annotated, NamedTuple
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import torch
-from pydantic import Field
 from torch import Tensor
 from torch.nn import functional as F
 
@@ -22,37 +22,18 @@ from shared.errors import PolicyError
 from shared.goals.language.bank import PhraseBank
 from shared.goals.language.encoder import Encoder, shared_encoder
 from shared.policies.examples import Examples
+from shared.policies.fitter import FitSettings, Fitter, Mean, keep, resumed
 from shared.policies.high_net import HighLevelNet
 from shared.policies.precision import autocast, pixel_type
 from shared.policies.sources import Source, merge
-from shared.policies.variation import Variation
 
 Progress = Callable[[int, int, float], bool]
-AVERAGE = 0.98
-WARM_STEPS = 20
 ASKED = 256
 """At most about so many decisions are asked about at once."""
+KEPT_UPDATES = 50
+"""From one save of a fit under way to the next: some seconds."""
 TEXT_WEIGHT = 0.3
 """Of the text head's loss, a sum over words, beside the bank's."""
-
-
-class FitSettings(Variation):
-    """How a round learns.
-
-    steps: updates. batch: decisions in each. lr: the highest learning rate, then down a cosine.
-    correction_share: part of each batch that is drawn from the corrections.
-    frozen_encoder: leave the eyes as they are, and train only what is behind them.
-    half: compute in bfloat16; None: where the processor is made for it.
-    """
-
-    steps: Annotated[int, Field(ge=1, le=1_000_000)] = 400
-    batch: Annotated[int, Field(ge=1, le=4096)] = 64
-    lr: Annotated[float, Field(gt=0, le=1)] = 1e-3
-    weight_decay: Annotated[float, Field(ge=0, le=1)] = 1e-3
-    correction_share: Annotated[float, Field(ge=0, le=1)] = 0.5
-    frozen_encoder: bool = False
-    half: bool | None = None
-    seed: Annotated[int, Field(ge=0)] = 0
 
 
 class FitReport(NamedTuple):
@@ -84,11 +65,13 @@ def fit(
     settings: FitSettings,
     progress: Progress = _carry_on,
     encoder: Encoder | None = None,
+    kept: Path | None = None,
 ) -> FitReport:
     """Train `net` on in place, and leave it with the average of its last weights.
 
     The text head takes in words of the bank that it didn't know.
     progress: told updates done, updates in all and the loss; False stops early.
+    kept: file of what is under way; with it a fit that was cut off goes on where it was.
 
     Raises:
         PolicyError: there is nothing to learn from, or a label is not in the bank.
@@ -99,8 +82,8 @@ def fit(
     frozen = net.eyes.parameters() if settings.frozen_encoder else ()
     teacher, fitter = Teacher(net, bank), Fitter(net, settings, frozen=frozen)
     lessons, text, agreement = Mean(), Mean(), Mean()
-    done = 0
-    for done in range(1, settings.steps + 1):
+    done = before = resumed(fitter, kept, (lessons, text, agreement))
+    for done in range(before + 1, settings.steps + 1):
         rng = np.random.default_rng([settings.seed, done])
         batch = merge([source.draw(rng) for source in sources])
         question = batch.varied(settings, rng, pixel_type(settings.half))
@@ -110,7 +93,10 @@ def fit(
         fitter.update(said.bank + TEXT_WEIGHT * said.text, done - 1)
         text.add(said.text.item())
         agreement.add(said.right)
-        if not progress(done, settings.steps, lessons.add(said.bank.item())):
+        lessons.add(said.bank.item())
+        if kept and done % KEPT_UPDATES == 0:
+            keep(fitter, done, kept, (lessons, text, agreement))
+        if not progress(done, settings.steps, lessons.value):
             break
     fitter.finish()
     seconds = time.monotonic() - began
@@ -174,19 +160,6 @@ class Teacher:
         return Said(F.cross_entropy(logits, labels), text, right)
 
 
-class Mean:
-    """A running mean of the last updates."""
-
-    def __init__(self, least: float = 0.03) -> None:
-        self.value, self._count, self._least = 0.0, 0, least
-
-    def add(self, value: float) -> float:
-        """The mean with `value` in it."""
-        self._count += 1
-        self.value += (value - self.value) * max(self._least, 1.0 / self._count)
-        return self.value
-
-
 def sources_of(
     demonstrations: Examples,
     corrections: Examples | None,
@@ -209,72 +182,3 @@ def sources_of(
     if not sources:
         raise PolicyError("there is nothing to learn from: no demonstrations, no corrections")
     return sources
-
-
-class Fitter:
-    """Optimizer, learning rate and averaged weights of one fit.
-
-    others: parameters that learn, too, and aren't averaged. frozen: those of the net that don't.
-    """
-
-    def __init__(
-        self,
-        net: torch.nn.Module,
-        settings: FitSettings,
-        others: Iterable[torch.nn.Parameter] = (),
-        frozen: Iterable[torch.nn.Parameter] = (),
-    ) -> None:
-        kept = {id(part) for part in frozen}
-        self._own = [part for part in net.parameters() if id(part) not in kept]
-        self._average = [part.detach().clone() for part in self._own]
-        self._trained = [*self._own, *others]
-        self._optimizer = torch.optim.AdamW(
-            self._trained, lr=settings.lr, weight_decay=settings.weight_decay, fused=True
-        )
-        self._settings = settings
-        net.train()
-        self._net = net
-
-    def update(self, loss: Tensor, step: int) -> None:
-        """One step down the gradient; `step` counts from 0."""
-        fall = 0.5 * (1 + np.cos(np.pi * step / self._settings.steps))
-        rate = self._settings.lr * (0.02 + 0.98 * fall) * min(1.0, (step + 1) / WARM_STEPS)
-        for group in self._optimizer.param_groups:
-            group["lr"] = rate
-        self._net.zero_grad()
-        self._optimizer.zero_grad()
-        loss.backward()  # type: ignore[no-untyped-call]
-        torch.nn.utils.clip_grad_norm_(self._trained, 1.0)
-        self._optimizer.step()
-        keep = min(AVERAGE, (step + 1) / (step + 10))
-        with torch.no_grad():
-            torch._foreach_lerp_(self._average, list[Tensor](self._own), 1 - keep)
-
-    def state(self) -> dict[str, Tensor]:
-        """Weights, moments and means: what `restore` needs to go on as if nothing had been."""
-        state = {f"average.{row}": part for row, part in enumerate(self._average)}
-        for row, part in enumerate(self._trained):
-            state[f"weight.{row}"] = part.detach()
-            for name, moment in self._optimizer.state[part].items():
-                state[f"{name}.{row}"] = moment
-        return state
-
-    def restore(self, state: dict[str, Tensor]) -> None:
-        """Go on from what `state` gave."""
-        moments = {name.split(".")[0] for name in state} - {"average", "weight"}
-        with torch.no_grad():
-            for row, part in enumerate(self._average):
-                part.copy_(state[f"average.{row}"])
-            for row, part in enumerate(self._trained):
-                part.copy_(state[f"weight.{row}"])
-                found = {
-                    name: state[f"{name}.{row}"] for name in moments if f"{name}.{row}" in state
-                }
-                if found:
-                    self._optimizer.state[part] = found
-
-    def finish(self) -> None:
-        """Put the averaged weights into the network."""
-        with torch.no_grad():
-            torch._foreach_copy_(list[Tensor](self._own), self._average)
-        self._net.eval()

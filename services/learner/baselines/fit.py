@@ -18,8 +18,6 @@ from services.learner.pretrain.high_fit import (
     SIGHT_WEIGHT,
     Lessons,
     Witness,
-    keep,
-    resumed,
 )
 from services.learner.pretrain.low_fit import (
     DONE_WEIGHT,
@@ -33,7 +31,7 @@ from services.learner.pretrain.low_fit import (
 from services.learner.pretrain.meanings import Meanings, Prompts, Reader
 from services.learner.pretrain.practice import Steps
 from shared.goals.language.bank import PhraseBank
-from shared.policies.fit import FitSettings, Fitter, Mean
+from shared.policies.fitter import FitSettings, Fitter, Mean, keep, resumed
 from shared.policies.geometry import Geometry
 from shared.policies.precision import autocast, pixel_type
 from shared.policies.sources import joined

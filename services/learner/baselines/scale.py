@@ -5,7 +5,7 @@ from typing import Annotated, Literal, get_args
 from pydantic import Field
 
 from shared.config import Settings
-from shared.policies.fit import FitSettings
+from shared.policies.fitter import FitSettings
 
 Arm = Literal["hierarchy", "chain", "latent", "flat"]
 ARMS: tuple[Arm, ...] = get_args(Arm)

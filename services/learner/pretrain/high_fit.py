@@ -12,7 +12,6 @@ from pathlib import Path
 import numpy as np
 import torch
 from numpy.typing import NDArray
-from safetensors.torch import load_file, save_file
 from torch import Tensor, nn
 from torch.nn import functional as F
 
@@ -20,7 +19,8 @@ from services.learner.pretrain.demonstrate import ABSENT, STATUSES, Demonstratio
 from services.learner.pretrain.meanings import Meanings, Prompts, Reader, meanings_of
 from shared.goals.language.bank import PhraseBank
 from shared.goals.language.encoder import shared_encoder
-from shared.policies.fit import TEXT_WEIGHT, FitSettings, Fitter, Mean, Teacher
+from shared.policies.fit import TEXT_WEIGHT, Teacher
+from shared.policies.fitter import FitSettings, Fitter, Mean, keep, resumed
 from shared.policies.high_net import SIGHT, HighLevelNet
 from shared.policies.precision import autocast, pixel_type
 from shared.policies.sources import Batch, Source, joined
@@ -136,20 +136,3 @@ def fit_high(
 
 def _both(one: Meanings, other: Meanings) -> Meanings:
     return Meanings(*(torch.cat(parts) for parts in zip(one, other, strict=True)))
-
-
-def keep(fitter: Fitter, done: int, file: Path) -> None:
-    """Write beside the file and move it there, so that it is always whole."""
-    beside = file.with_name(f"unfinished-{file.name}")
-    save_file({**fitter.state(), "done": torch.tensor(done)}, beside)
-    beside.rename(file)
-
-
-def resumed(fitter: Fitter, file: Path | None) -> int:
-    """Take up what was kept; how many updates it had made."""
-    if file is None or not file.exists():
-        return 0
-    state = load_file(file)
-    done = int(state.pop("done"))
-    fitter.restore(state)
-    return done

@@ -26,7 +26,7 @@ from services.learner.pretrain.replay import choose
 from services.learner.pretrain.scale import LowRound, Scale
 from shared.goals.language.bank import PhraseBank
 from shared.policies import checkpoint, examples
-from shared.policies.fit import FitSettings
+from shared.policies.fitter import FitSettings
 from shared.policies.geometry import Geometry
 from shared.policies.high_level import BASE_VERSION, HighLevel
 from shared.policies.high_net import HighLevelNet

@@ -7,10 +7,10 @@ from functools import partial
 
 from sqlalchemy import text
 
+from services.learner.gather import observation_of
 from services.learner.store.sql import open_engine, sqlite_url
 from services.learner.store.store import RoundState
 from services.learner.store.tensors import unpack
-from services.learner.train import observation_of
 from shared.messages.heartbeat import LearnerState
 from shared.policies.high_level import HighLevel
 from shared.wire.keys import service_key

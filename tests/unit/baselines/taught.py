@@ -11,7 +11,7 @@ from services.learner.baselines.work import FIRST_SEED, fresh
 from services.learner.pretrain.meanings import Prompts
 from shared.goals.language.bank import PhraseBank
 from shared.goals.language.encoder import shared_encoder
-from shared.policies.fit import FitSettings
+from shared.policies.fitter import FitSettings
 from shared.workcell.skills import COMMANDS
 
 SETTINGS = FitSettings(steps=20, batch=8)

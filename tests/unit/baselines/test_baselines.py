@@ -9,7 +9,7 @@ from services.learner.baselines.scale import ARMS, TITLES, BaselineSettings, Dat
 from services.learner.baselines.work import Plan, Trained
 from services.learner.experiments import baselines, compared, report
 from shared.errors import HldError, PolicyError
-from shared.policies.fit import FitSettings
+from shared.policies.fitter import FitSettings
 from tests.unit.evaluation.rows import row
 from tests.unit.experiments.bench import here
 

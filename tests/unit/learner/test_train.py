@@ -12,10 +12,11 @@ from services.learner.build import origin
 from services.learner.config import Recipe
 from services.learner.frozen import FrozenLowLevel
 from services.learner.gate import Candidate, keep_aside
+from services.learner.gather import gather, grow, open_version
 from services.learner.store.memory import MemoryStore
 from services.learner.store.store import Manifest, Round, RoundState
 from services.learner.store.tensors import TensorFiles, unpack
-from services.learner.train import fine_tune, gather, grow, open_version
+from services.learner.train import fine_tune
 from shared.goals.language.bank import PhraseBank
 from shared.messages.observation import Observation
 from shared.messages.policy import TensorRef

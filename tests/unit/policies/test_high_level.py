@@ -15,7 +15,8 @@ from shared.messages.policy import PolicyAnnouncement, TensorRef, Version
 from shared.policies import examples as many
 from shared.policies.checkpoint import sha256_tensors
 from shared.policies.examples import Examples
-from shared.policies.fit import FitReport, FitSettings, fit
+from shared.policies.fit import FitReport, fit
+from shared.policies.fitter import FitSettings
 from shared.policies.high_level import Head, HighLevel, build_net
 from shared.policies.high_net import HighLevelNet
 from tests.unit.policies.scenes import COMMANDS, coloured, moving, observation

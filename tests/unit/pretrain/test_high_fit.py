@@ -13,7 +13,8 @@ from services.learner.pretrain.meanings import PLACES, SKIPPED, Prompts, Reader,
 from shared.goals.language.bank import PhraseBank
 from shared.goals.language.encoder import shared_encoder
 from shared.policies.checkpoint import sha256_tensors
-from shared.policies.fit import FitSettings, agreement
+from shared.policies.fit import agreement
+from shared.policies.fitter import FitSettings
 from shared.policies.high_level import BASE_VERSION, HighLevel
 from shared.policies.high_net import HighLevelNet
 from shared.policies.wishes import Wishes
