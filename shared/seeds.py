@@ -8,9 +8,16 @@ from shared.errors import ConfigError
 
 DEMONSTRATION = range(0, 1_000_000_000)
 COLLECTION = range(1_000_000_000, 2_000_000_000)
-EVALUATION = range(2_000_000_000, 2_147_483_647)
+EVALUATION = range(2_000_000_000, 2_140_000_000)
+GATE = range(2_140_000_000, 2_147_483_647)
+"""Where the learner's gate compares: a version that was chosen on a scene isn't measured on it."""
 
-_RANGES = {"demonstration": DEMONSTRATION, "collection": COLLECTION, "evaluation": EVALUATION}
+_RANGES = {
+    "demonstration": DEMONSTRATION,
+    "collection": COLLECTION,
+    "evaluation": EVALUATION,
+    "gate": GATE,
+}
 _ROBOT_BLOCK = 1_000_000
 
 
@@ -23,7 +30,7 @@ def purpose(seed: int) -> str:
     for name, seeds in _RANGES.items():
         if seed in seeds:
             return name
-    raise ConfigError(f"seed {seed} is out of range: 0 to {EVALUATION.stop - 1}")
+    raise ConfigError(f"seed {seed} is out of range: 0 to {GATE.stop - 1}")
 
 
 def collection_seed(robot_index: int, episode: int, base: int = 0) -> int:

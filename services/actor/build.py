@@ -56,6 +56,7 @@ class Actor:
             newest_on_disk(settings),
             low_level.sha256,
             settings.data / "high_level",
+            settings.robots,
         )
         self._closing.callback(self.refresh.close)
         self.runners = [
@@ -79,7 +80,7 @@ class Actor:
             settings=settings,
             robot=make_robot(settings.kind, settings.site, settings.skills),
             low_level=low_level,
-            source=self.refresh,
+            source=self.refresh.of(name),
             thinking=make_thinking(settings),
             recorder=recorder,
             observer=Observer(bus, fleet, name, self.clock, settings.frames),

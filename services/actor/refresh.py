@@ -3,7 +3,7 @@
 import hashlib
 import shutil
 import threading
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -27,14 +27,22 @@ log = structlog.get_logger()
 class Refresh:
     """Follows the learner's announcements on a bus thread; runners ask for the newest version.
 
-    newest: the newest high level that was fetched and verified. Runners share it: it is never
-        changed, only replaced.
+    newest: the newest high level for all robots that was fetched and verified. Runners share it:
+        it is never changed, only replaced.
     refused: announcements that could not be used, each with its reason in the log.
     """
 
     def __init__(
-        self, bus: Bus, fleet: str, start: HighLevel, low_level_sha256: str, folder: Path
+        self,
+        bus: Bus,
+        fleet: str,
+        start: HighLevel,
+        low_level_sha256: str,
+        folder: Path,
+        robots: Iterable[str] = (),
     ) -> None:
+        """start: what runs until something is announced. robots: of this actor."""
+        self._robots = frozenset(robots)
         self._folder = folder
         self._low_level_sha256 = low_level_sha256
         anywhere = any_service(fleet, "learner", "tensor")
@@ -42,7 +50,11 @@ class Refresh:
         self._arrived = threading.Event()
         self.newest = start
         self.refused = 0
-        self._subscription = bus.follow(any_service(fleet, "learner", "policy"), self._announced)
+        self._first: tuple[HighLevel, tuple[str, ...]] | None = None
+        self._subscriptions = [
+            bus.follow(any_service(fleet, "learner", "policy"), self._announced),
+            bus.follow(any_service(fleet, "learner", "canary"), self._announced_for_some),
+        ]
 
     def wait(self, timeout_s: float) -> bool:
         """Until the first announcement was taken up; False when none came in time."""
@@ -50,14 +62,29 @@ class Refresh:
 
     def close(self) -> None:
         """Follow no longer."""
-        self._subscription.close()
+        for subscription in self._subscriptions:
+            subscription.close()
         self._fetcher.close()
+
+    def of(self, robot: str) -> "RobotsVersion":
+        """What one robot is to run."""
+        return RobotsVersion(self, robot)
+
+    def newest_for(self, robot: str) -> HighLevel:
+        """The newest high level for a robot: one that some robots run first, if it is of them."""
+        first = self._first
+        if first and robot in first[1] and first[0].version > self.newest.version:
+            return first[0]
+        return self.newest
 
     def _announced(self, key: str, payload: bytes) -> None:
         try:
             announcement = decode(PolicyAnnouncement, payload)
             if announcement.version > self.newest.version:
-                self._take_up(announcement)
+                high_level = self._fetched(announcement)
+                keep(high_level, self._folder)
+                self.newest = high_level
+                log.info("policy ready", version=str(announcement.version))
             elif announcement.version < self.newest.version:
                 log.warning(
                     "an older version was announced, and is not taken up",
@@ -69,7 +96,18 @@ class Refresh:
             self.refused += 1
             log.error("announced policy refused", key=key, reason=str(error))
 
-    def _take_up(self, announcement: PolicyAnnouncement) -> None:
+    def _announced_for_some(self, key: str, payload: bytes) -> None:
+        try:
+            announcement = decode(PolicyAnnouncement, payload)
+            known = self._first[0].version if self._first else self.newest.version
+            if announcement.version > known and set(announcement.robots) & self._robots:
+                self._first = self._fetched(announcement), announcement.robots
+                log.info("policy ready for a trial", version=str(announcement.version))
+        except HldError as error:
+            self.refused += 1
+            log.error("announced policy refused", key=key, reason=str(error))
+
+    def _fetched(self, announcement: PolicyAnnouncement) -> HighLevel:
         if announcement.low_level_sha256 != self._low_level_sha256:
             raise HldError(
                 f"version {announcement.version} was made for low level "
@@ -78,10 +116,19 @@ class Refresh:
             )
         payloads = self._fetcher.fetch(announcement.tensors, FETCH_WITHIN_S)
         tensors = {ref.name: as_array(ref, payloads[ref.sha256]) for ref in announcement.tensors}
-        high_level = HighLevel.build(announcement, tensors, self.newest.head)
-        keep(high_level, self._folder)
-        self.newest = high_level
-        log.info("policy ready", version=str(announcement.version))
+        return HighLevel.build(announcement, tensors, self.newest.head)
+
+
+class RobotsVersion:
+    """The view that one robot has of its actor's `Refresh`."""
+
+    def __init__(self, refresh: Refresh, robot: str) -> None:
+        self._refresh, self._robot = refresh, robot
+
+    @property
+    def newest(self) -> HighLevel:
+        """See `PolicySource`."""
+        return self._refresh.newest_for(self._robot)
 
 
 def keep(high_level: HighLevel, folder: Path) -> None:

@@ -7,14 +7,16 @@ from pathlib import Path
 from services.learner.collect import Collector
 from services.learner.config import LearnerSettings
 from services.learner.frozen import FrozenLowLevel
-from services.learner.gate import LabelGate
-from services.learner.loop import Learner, Parts
+from services.learner.gate import Gate
+from services.learner.loop import Learner
 from services.learner.process import TrainProcess
 from services.learner.publish import Publisher
 from services.learner.shelf import Shelf
 from services.learner.store.sql import SqlStore, sqlite_url
 from services.learner.store.store import Marks, PolicyRecord
 from services.learner.store.tensors import TensorFiles
+from services.learner.trials import Trials
+from services.learner.turn import Parts
 from shared.clock import SystemClock
 from shared.errors import PolicyError
 from shared.policies.checkpoint import bundled, load
@@ -46,7 +48,7 @@ def learner(settings: LearnerSettings) -> Iterator[Learner]:
                 store=store,
                 collector=Collector(bus, fleet, store, clock),
                 trainer=TrainProcess(url, data / "tensors", settings.demonstrations),
-                gate=LabelGate(settings.gate),
+                gate=Gate(settings.gate, Trials(bus, fleet, store, settings.gate.trials, clock)),
                 publisher=Publisher(bus, fleet, settings.id, files, shelf),
                 frozen=frozen,
                 clock=clock,

@@ -1,16 +1,23 @@
-"""Judge a candidate before any robot sees it; between training and publishing."""
+"""Judge a candidate before any robot sees it; between training and publishing.
+
+First by what it says: agreement with what people said, and with what was demonstrated. Then, where
+there is a simulator, by what it does (`trials.py`). By setting, one robot goes first (`canary.py`).
+"""
 
 import hashlib
 from collections.abc import Iterable
-from typing import Annotated, NamedTuple, Protocol
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field
 
 from services.learner.aggregate import Label
+from services.learner.canary import CanarySettings
+from services.learner.trials import Trials, TrialSettings, compare
 from shared.config import Settings
-from shared.messages.policy import TensorRef
+from shared.errors import RefusedError
+from shared.messages.policy import PolicyAnnouncement, TensorRef
 
 
 class GateSettings(Settings):
@@ -22,6 +29,7 @@ class GateSettings(Settings):
     max_fall: by which the agreement with them may fall, against the version in force.
     retained: demonstrated decisions that no round replays, to see what is forgotten. max_forgotten:
         by which the agreement with those may fall, against the version in force.
+    trials: episodes in simulation. canary: robots that run it first.
     """
 
     held_out_share: Annotated[float, Field(ge=0, lt=1)] = 0.1
@@ -29,6 +37,8 @@ class GateSettings(Settings):
     max_fall: Annotated[float, Field(ge=0, le=1)] = 0.05
     retained: Annotated[int, Field(ge=0, le=10_000)] = 200
     max_forgotten: Annotated[float, Field(ge=0, le=1)] = 0.1
+    trials: TrialSettings = TrialSettings()
+    canary: CanarySettings = CanarySettings()
 
 
 class Figures(BaseModel):
@@ -74,18 +84,60 @@ class Candidate(BaseModel):
 
 
 class Verdict(NamedTuple):
-    """Whether a candidate goes out, and why not."""
+    """Whether a candidate goes out, why not, and what was found in trials."""
 
     passed: bool
     reason: str = ""
+    figures: dict[str, Any] = {}
 
 
-class Gate(Protocol):
-    """Decides whether a candidate goes out."""
+class Gate:
+    """Decides whether a candidate goes out; asked by the learner's own thread."""
 
-    def judge(self, candidate: Candidate) -> Verdict:
-        """Called once for each candidate, in the learner's own thread."""
-        ...
+    def __init__(self, settings: GateSettings, trials: Trials) -> None:
+        self._labels, self._trials, self._settings = LabelGate(settings), trials, settings
+        self._trying = False
+
+    def start(self) -> None:
+        """Begin to hand out trials."""
+        self._trials.start()
+
+    def begin(
+        self, candidate: Candidate, announced: PolicyAnnouncement, in_force: PolicyAnnouncement
+    ) -> Verdict | None:
+        """Judge a candidate; None: not before its trials are over. announced: as it would be."""
+        verdict = self._labels.judge(candidate)
+        if not verdict.passed or not self._settings.trials.episodes:
+            return verdict
+        self._trials.begin(announced, in_force)
+        self._trying = True
+        return None
+
+    def poll(self) -> Verdict | None:
+        """The verdict, once its trials are over."""
+        try:
+            outcomes = self._trials.outcomes()
+        except RefusedError as error:
+            self.stop()
+            return Verdict(False, str(error))
+        if outcomes is None:
+            return None
+        self.stop()
+        reason, figures = compare(*outcomes, self._settings.trials.max_fall)
+        return Verdict(not reason, reason, figures)
+
+    def progress(self) -> float:
+        """How far the trials are, 0 to 1."""
+        return self._trials.progress() if self._trying else 0.0
+
+    def stop(self) -> None:
+        """Give up what is being tried, if anything is."""
+        self._trials.stop()
+        self._trying = False
+
+    def close(self) -> None:
+        """Hand out no more."""
+        self._trials.close()
 
 
 class LabelGate:
@@ -99,6 +151,7 @@ class LabelGate:
         self._settings = settings
 
     def judge(self, candidate: Candidate) -> Verdict:
+        """Whether it agrees as much as it must."""
         if not candidate.figures.finite:
             return Verdict(False, "a weight is infinite or not a number")
         reason = self._worse(candidate.figures) or self._forgot(candidate.figures)

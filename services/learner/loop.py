@@ -1,27 +1,22 @@
 """The learner from its start to its end: collect all the time, and turn round after round.
 
-collect · aggregate · train · gate · publish, each a file of this folder; here is their order.
+collect · aggregate · train · gate · publish, each a file of this folder; `turn.py` has their order.
 """
 
-import dataclasses
 from collections.abc import Callable
-from typing import Protocol
 
 import structlog
 
-from services.learner.collect import Collector
 from services.learner.config import LearnerSettings
-from services.learner.frozen import FrozenLowLevel
-from services.learner.gate import Candidate, Gate
-from services.learner.publish import LEARNER, Publisher
+from services.learner.publish import LEARNER
 from services.learner.rounds import due, last_manifest, next_manifest, take_stock
-from services.learner.store.store import Manifest, PolicyRecord, Round, RoundState, Store
-from shared.clock import Clock
-from shared.errors import FrozenError, PolicyError, RefusedError
+from services.learner.rulings import carry_out
+from services.learner.store.store import Manifest, PolicyRecord, Round, RoundState
+from services.learner.turn import Parts, Turn
+from shared.errors import FrozenError, RefusedError
 from shared.messages.heartbeat import LearnerHeartbeat, LearnerState
 from shared.messages.policy import Version
 from shared.service import Stop
-from shared.wire.bus import Bus
 from shared.wire.codec import encode
 from shared.wire.keys import service_key
 
@@ -29,46 +24,7 @@ BEAT_NS = 500_000_000
 LOOK_S = 0.1
 ATTEMPTS = 5  # learners that may die of one round before it counts as failed
 
-
 Origin = Callable[[], PolicyRecord]
-
-
-class Trainer(Protocol):
-    """Trains one round at a time, beside the learner's own thread."""
-
-    def start(self, round_: Round) -> None:
-        """Begin to train; returns at once."""
-        ...
-
-    def progress(self) -> float:
-        """How far it is, 0 to 1."""
-        ...
-
-    def result(self) -> Candidate | None:
-        """What came of it, once; None while it is at work.
-
-        Raises:
-            PolicyError: nothing came of it; the reason is in the text.
-        """
-        ...
-
-    def stop(self) -> None:
-        """Give up what is being trained, if anything is."""
-        ...
-
-
-@dataclasses.dataclass(frozen=True)
-class Parts:
-    """What a learner is made of; `build.py` chooses them."""
-
-    bus: Bus
-    store: Store
-    collector: Collector
-    trainer: Trainer
-    gate: Gate
-    publisher: Publisher
-    frozen: FrozenLowLevel
-    clock: Clock
 
 
 class Learner:
@@ -80,7 +36,7 @@ class Learner:
         self._log = structlog.get_logger()
         self._epoch = parts.store.take_over(settings.id, parts.clock.now_ns())
         self._in_force = self._found(origin)
-        self._round: Round | None = None
+        self._turn: Turn | None = None
         self._rounds = parts.store.rounds()
         self._used: Manifest = last_manifest(self._rounds)
         self._ended_ns = parts.clock.monotonic_ns()
@@ -115,6 +71,7 @@ class Learner:
         made_by = (one for one in self._rounds if one.made == self._in_force.number)
         parts.publisher.publish(self._in_force, self._epoch, next(made_by, None))
         parts.collector.start()
+        parts.gate.start()
         parts.bus.alive(self._alive_key)
         try:
             parts.frozen.check_against(self._in_force.low_level_sha256)
@@ -125,17 +82,20 @@ class Learner:
 
     def tick(self) -> None:
         """One look at everything; never waits for long."""
-        if self._round is not None:
-            self._follow(self._round)
+        if self._turn is not None:
+            self._turn.follow()
+            self._look_at(self._turn)
         if self._parts.clock.monotonic_ns() - self._beat_ns >= BEAT_NS:
             self._check_epoch()
-            if self._round is None and not self._stopped:
+            self._mind_rulings()
+            if self._turn is None and not self._stopped:
                 self._consider()
             self._beat()
 
     def close(self) -> None:
         """Leave a round that is at work to the next learner of this store."""
         self._parts.trainer.stop()
+        self._parts.gate.close()
         self._parts.collector.close()
         self._parts.publisher.close()
 
@@ -170,71 +130,44 @@ class Learner:
             return
         round_ = self._rounds[-1]
         if self._epoch - round_.epoch > ATTEMPTS:
-            self._end(round_, RoundState.FAILED, f"{ATTEMPTS} learners ended while it ran")
+            turn = self._made_turn(round_)
+            turn.abandon(f"{ATTEMPTS} learners ended while it ran")
+            self._look_at(turn)
         else:
             self._begin(round_)
 
     def _begin(self, round_: Round) -> None:
-        self._log.info("a round begins", round=round_.number, parent=round_.parent)
-        self._round, self._used = round_, round_.manifest
-        try:
-            self._parts.frozen.check()
-            self._parts.trainer.start(round_)
-        except FrozenError as error:
-            self._end(round_, RoundState.FAILED, str(error))
-            self._stop(str(error))
+        self._used = round_.manifest
+        self._turn = self._made_turn(round_)
+        self._turn.begin()
+        self._look_at(self._turn)
 
-    def _follow(self, round_: Round) -> None:
-        """See whether the training is over, and what comes of it."""
-        try:
-            candidate = self._parts.trainer.result()
-            if candidate is None:
-                return
-            self._parts.frozen.check()
-        except PolicyError as error:
-            self._end(round_, RoundState.FAILED, str(error))
-            if isinstance(error, FrozenError):
-                self._stop(str(error))
-        else:
-            self._conclude(round_, candidate)
+    def _made_turn(self, round_: Round) -> Turn:
+        canary = self._settings.gate.canary
+        return Turn(self._parts, canary, self._epoch, self._in_force, round_)
 
-    def _conclude(self, round_: Round, candidate: Candidate) -> None:
-        round_ = round_.model_copy(update={"figures": candidate.figures.model_dump(mode="json")})
-        verdict = self._parts.gate.judge(candidate)
-        if not verdict.passed:
-            self._end(round_, RoundState.REFUSED, verdict.reason)
-            return
-        made = PolicyRecord(
-            number=self._in_force.number + 1,
-            epoch=self._epoch,
-            tensors=candidate.tensors,
-            bank=candidate.bank,
-            settings=candidate.settings,
-            low_level_sha256=self._in_force.low_level_sha256,
-            marks=self._parts.store.survey(round_.manifest).marks,
-            created_ns=self._parts.clock.now_ns(),
-        )
-        self._end(round_, RoundState.PASSED, "", made)
-        self._in_force = made
-        self._parts.publisher.publish(made, self._epoch, self._rounds[-1])
+    def _look_at(self, turn: Turn) -> None:
+        """See whether a round is over, and what is in force now."""
+        self._in_force = turn.made or self._in_force
+        if turn.over:
+            self._rounds = (*self._rounds[:-1], turn.round)
+            self._turn, self._ended_ns = None, self._parts.clock.monotonic_ns()
+        if turn.stopped:
+            self._stop(turn.stopped)
 
-    def _end(
-        self, round_: Round, state: RoundState, reason: str, made: PolicyRecord | None = None
-    ) -> None:
-        ended = round_.model_copy(
-            update={
-                "state": state,
-                "reason": reason,
-                "ended_ns": self._parts.clock.now_ns(),
-                "made": made.number if made else None,
-            }
-        )
-        self._parts.store.end(ended, made)
-        self._rounds = (*self._rounds[:-1], ended)
-        self._round, self._ended_ns = None, self._parts.clock.monotonic_ns()
-        self._log.info(
-            "a round ended", round=ended.number, state=str(state), reason=reason, **ended.figures
-        )
+    def _mind_rulings(self) -> None:
+        """Do what people decided since the last look."""
+        for answer in self._parts.store.answers():
+            if answer.answered_ns is not None:
+                continue
+            done, made = carry_out(answer.ruling, self._parts, self._epoch, self._in_force)
+            self._log.info("ruled", verb=str(done.ruling.verb), made=done.made, reason=done.reason)
+            if made:
+                if self._turn:
+                    self._turn.abandon(f"version {made.number} was put in force while it ran")
+                    self._look_at(self._turn)
+                self._in_force = made
+                self._parts.publisher.publish(made, self._epoch)
 
     def _stop(self, reason: str) -> None:
         """Turn no more rounds; what arrives is still kept."""
@@ -269,11 +202,11 @@ class Learner:
             version=self.version,
             round=len(self._rounds),
             reason=self._stopped,
-            progress=self._parts.trainer.progress() if self._round else 0.0,
+            progress=self._turn.progress() if self._turn else 0.0,
             **tally._asdict(),
         )
 
     def _state(self) -> LearnerState:
         if self._stopped:
             return LearnerState.STOPPED
-        return LearnerState.TRAINING if self._round else LearnerState.COLLECTING
+        return self._turn.state if self._turn else LearnerState.COLLECTING

@@ -22,6 +22,7 @@ class Job(BaseModel):
 
     store: URL of the store, which it only reads. tensors: the folder of the store's tensors.
     demonstrations: checkpoint folder; None takes the one that comes with the project.
+    under_way: file of what is trained so far; where it is there, the training goes on from it.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -29,6 +30,7 @@ class Job(BaseModel):
     store: str
     tensors: Path
     demonstrations: Path | None
+    under_way: Path
     round: int
 
 
@@ -55,6 +57,7 @@ class TrainProcess:
             store=self._store,
             tensors=self._tensors,
             demonstrations=self._demonstrations,
+            under_way=self._under_way(round_),
             round=round_.number,
         )
         self._running = _Running(job)
@@ -76,6 +79,13 @@ class TrainProcess:
         if ended.report.candidate is not None:
             return ended.report.candidate
         raise PolicyError(ended.report.reason or _explain(code))
+
+    def forget(self, round_: Round) -> None:
+        """Throw away what is kept of a training that is over."""
+        self._under_way(round_).unlink(missing_ok=True)
+
+    def _under_way(self, round_: Round) -> Path:
+        return self._tensors.with_name(f"round-{round_.number}.under-way.safetensors")
 
     def stop(self) -> None:
         """Give up what is being trained, if anything is."""

@@ -22,11 +22,14 @@ class Publisher:
     ) -> None:
         self._bus, self._learner, self._files, self._shelf = bus, learner, files, shelf
         self._key = service_key(fleet, LEARNER, learner, "policy")
+        self._canary_key = service_key(fleet, LEARNER, learner, "canary")
         self._tensors = TensorPublisher(bus, service_key(fleet, LEARNER, learner, "tensor"))
         self._log = structlog.get_logger()
 
     def publish(self, record: PolicyRecord, epoch: int, round_: Round | None = None) -> Version:
         """Announce `record`, which `round_` made, as (epoch, its number).
+
+        What some robots run first has a place of its own: who comes late hears of both.
 
         Raises:
             PolicyError: a tensor is missing or changed on the disk.
@@ -36,9 +39,19 @@ class Publisher:
         self._shelf.put(record, round_)
         # Tensors first: who hears of a version can have it.
         self._tensors.publish(self._files.take(names))
-        self._bus.latest(self._key, encode(message))
+        key = self._canary_key if record.robots else self._key
+        self._bus.latest(key, encode(message))
         self._log.info("published", version=str(message.version), phrases=len(message.bank))
         return message.version
+
+    def offer(self, *announced: PolicyAnnouncement) -> None:
+        """Have the tensors ready of what is not announced yet, for those who try it.
+
+        Raises:
+            PolicyError: a tensor is missing or changed on the disk.
+        """
+        names = dict.fromkeys(ref.sha256 for one in announced for ref in one.tensors)
+        self._tensors.publish(self._files.take(tuple(names)))
 
     def close(self) -> None:
         """Serve tensors to nobody any more."""
@@ -55,4 +68,5 @@ def announcement(record: PolicyRecord, epoch: int, learner: str) -> PolicyAnnoun
         bank=record.bank,
         low_level_sha256=record.low_level_sha256,
         settings=record.settings,
+        robots=record.robots,
     )

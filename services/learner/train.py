@@ -145,7 +145,7 @@ def _work(job: Job, progress: Progress) -> Report:
         try:
             demonstrations = examples.load(job.demonstrations or bundled("demonstrations"))
             files = TensorFiles(job.tensors)
-            candidate = fine_tune(round_, store, files, demonstrations, progress)
+            candidate = fine_tune(round_, store, files, demonstrations, progress, job.under_way)
         except HldError as error:
             return Report(reason=str(error))
     return Report(progress=1.0, candidate=candidate)

@@ -46,10 +46,14 @@ class RobotHeartbeat(Message):
 
 
 class LearnerState(StrEnum):
-    """What the learner is doing."""
+    """What the learner is doing.
+
+    judging: a candidate is tried in simulation, or runs on some robots first.
+    """
 
     COLLECTING = "collecting"
     TRAINING = "training"
+    JUDGING = "judging"
     STOPPED = "stopped"
 
 

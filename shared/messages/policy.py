@@ -87,6 +87,8 @@ class PolicyAnnouncement(Message):
     low_level_sha256: the low level for which its labels were made; a robot that runs another
         one refuses the version.
     settings: what is needed to build the network around the tensors, as JSON values.
+    robots: those that alone are to take it up, as a trial; none named: all. The same version may be
+        announced again for all.
     """
 
     version: Version
@@ -96,3 +98,4 @@ class PolicyAnnouncement(Message):
     bank: tuple[Text, ...] = Field(min_length=1)
     low_level_sha256: Sha256
     settings: dict[str, int | float | str | bool] = Field(default_factory=dict)
+    robots: tuple[Id, ...] = ()

@@ -20,6 +20,7 @@ from shared.messages.observation import Observation
 from shared.messages.policy import PolicyAnnouncement, TensorRef, Version
 from shared.messages.receipt import Receipt
 from shared.messages.ruling import Ruling, Verb
+from shared.messages.trial import TrialOrder, TrialReport, TrialResult
 from shared.wire.codec import encode
 
 GOLDEN = Path(__file__).parent / "golden"
@@ -31,10 +32,13 @@ NUMBERS: dict[type[Message], int] = {
     Frame: 1,
     LearnerHeartbeat: 1,
     Observation: 1,
-    PolicyAnnouncement: 1,
+    PolicyAnnouncement: 2,
     Receipt: 1,
     RobotHeartbeat: 1,
     Ruling: 1,
+    TrialOrder: 1,
+    TrialReport: 1,
+    TrialResult: 1,
 }
 
 UNFIT: dict[type[Message], set[str]] = {Ruling: {"round", "version"}}
@@ -59,7 +63,7 @@ def samples() -> dict[type[Message], Message]:
     """The message of each class."""
     made: tuple[Message, ...] = (
         correction(), decision(), episode(), frame(), learner(), observation(), policy(),
-        receipt(), robot(), ruling(),
+        receipt(), robot(), ruling(), order(), report(), result(),
     )  # fmt: skip
     return {type(message): message for message in made}
 
@@ -204,7 +208,33 @@ def policy() -> PolicyAnnouncement:
         bank=("pick up the cheese", "wait"),
         low_level_sha256="ab" * 32,
         settings={"width": 128, "temperature": 0.5, "head": "linear", "deep": False},
+        robots=("robot-1",),
     )
+
+
+def order() -> TrialOrder:
+    return TrialOrder(
+        policy=policy(),
+        policy_sha256="12" * 32,
+        plan={"site": "far", "tasks": ["sandwich"], "skills": None},
+        plan_sha256="34" * 32,
+        seed=2_140_000_003,
+        task="sandwich",
+    )
+
+
+def result() -> TrialResult:
+    return TrialResult(
+        policy_sha256="12" * 32,
+        plan_sha256="34" * 32,
+        seed=2_140_000_003,
+        success=True,
+        row={"steps": 412, "failure": "", "attempts": []},
+    )
+
+
+def report() -> TrialReport:
+    return TrialReport(evaluator="eval-1", low_level_sha256="ab" * 32, result=result())
 
 
 def ruling() -> Ruling:

@@ -124,6 +124,10 @@ class MemoryStore:
                 tuple([*self._all(Ruling)][: marks.rulings]),
             )
 
+    def episodes_under(self, number: int) -> tuple[Episode, ...]:
+        with self._lock:
+            return tuple(one for one in self._all(Episode) if one.version.number == number)
+
     def decisions(self, ids: Iterable[str]) -> Iterator[Decision]:
         for id_ in ids:
             if id_ not in self._kept[Decision]:

@@ -142,6 +142,12 @@ class SqlStore:
             tuple(decode(Ruling, body) for body in rulings),
         )
 
+    def episodes_under(self, number: int) -> tuple[Episode, ...]:
+        under = EPISODES.c.version.like(f"%.{number}")
+        query = select(EPISODES.c.body).where(under).order_by(EPISODES.c.sequence)
+        with self._engine.begin() as connection:
+            return tuple(decode(Episode, body) for body in connection.scalars(query))
+
     def decisions(self, ids: Iterable[str]) -> Iterator[Decision]:
         with self._engine.begin() as connection:
             for id_ in ids:

@@ -159,9 +159,9 @@ class History(NamedTuple):
 class Arrival(NamedTuple):
     """An episode that no round has used yet, and how complete it is.
 
-    aborted: it was broken off; its corrections are learned from, but it is not counted.
-    decisions, corrections: how many of those it speaks of are missing.
-    overrides: accepted corrections with a goal that are here. arrived_ns: wall clock.
+    aborted: broken off; its corrections are learned from, but it is not counted. decisions,
+    corrections: how many of those it speaks of are missing. overrides: those obeyed, that are here.
+    arrived_ns: wall clock.
     """
 
     episode: str
@@ -180,8 +180,7 @@ class Survey(NamedTuple):
 
 
 class Tally(NamedTuple):
-    """What arrived since some marks: episodes but for the aborted ones, overrides that the robots
-    obeyed, and decisions."""
+    """What arrived since some marks: episodes but for aborted ones, overrides obeyed, decisions."""
 
     episodes: int = 0
     successes: int = 0
@@ -227,6 +226,10 @@ class Store(Protocol):
         """Whole decisions with their pictures, in the order of `ids`."""
         ...
 
+    def episodes_under(self, number: int) -> tuple[Episode, ...]:
+        """All episodes that ran a version, in whichever epoch, in order of arrival."""
+        ...
+
     def begin(self, round_: Round) -> None:
         """Keep a round that begins.
 
@@ -236,11 +239,7 @@ class Store(Protocol):
         ...
 
     def advance(self, round_: Round, version: PolicyRecord | None = None) -> None:
-        """Keep how far a running round has come, and the version that it sends on trial.
-
-        Raises:
-            RefusedError: as for `end`.
-        """
+        """Keep how far a running round has come, and what it sends on trial; raises as `end`."""
         ...
 
     def end(self, round_: Round, version: PolicyRecord | None = None) -> None:

@@ -10,7 +10,7 @@ from services.learner.store.store import Manifest, Marks, Tally
 from shared.clock import ManualClock
 from shared.errors import RefusedError
 from shared.messages.message import Message
-from shared.seeds import DEMONSTRATION, EVALUATION
+from shared.seeds import DEMONSTRATION, EVALUATION, GATE
 from shared.wire.codec import encode
 from shared.wire.hub import MemoryRouter
 from shared.wire.keys import robot_key, service_key
@@ -67,7 +67,7 @@ def test_another_body_under_a_known_id_is_refused(bus: MemoryBus) -> None:
         bus.ask(*api("correction", correction("c", TOAST)))
 
 
-@pytest.mark.parametrize("seed", [DEMONSTRATION.start, EVALUATION.start, EVALUATION.stop - 1])
+@pytest.mark.parametrize("seed", [DEMONSTRATION.start, EVALUATION.start, GATE.stop - 1])
 def test_an_episode_that_is_not_for_learning_is_refused(
     bus: MemoryBus, store: MemoryStore, seed: int
 ) -> None:
@@ -78,7 +78,7 @@ def test_an_episode_that_is_not_for_learning_is_refused(
 
 def test_a_seed_out_of_every_range_is_refused(bus: MemoryBus) -> None:
     with pytest.raises(RefusedError, match="out of range"):
-        bus.ask(*robots("episode", episode(seed=EVALUATION.stop)))
+        bus.ask(*robots("episode", episode(seed=GATE.stop)))
 
 
 def test_one_robot_cannot_speak_for_another(bus: MemoryBus) -> None:

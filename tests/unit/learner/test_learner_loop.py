@@ -10,14 +10,16 @@ import pytest
 from services.learner.collect import Collector
 from services.learner.config import LearnerSettings, Recipe
 from services.learner.frozen import FrozenLowLevel
-from services.learner.gate import Candidate, Figures, GateSettings, LabelGate
-from services.learner.loop import ATTEMPTS, Learner, Parts
+from services.learner.gate import Candidate, Figures, Gate, GateSettings
+from services.learner.loop import ATTEMPTS, Learner
 from services.learner.publish import Publisher
 from services.learner.rounds import RoundSettings
 from services.learner.shelf import Shelf
 from services.learner.store.memory import MemoryStore
 from services.learner.store.store import Marks, PolicyRecord, Round, RoundState
 from services.learner.store.tensors import TensorFiles
+from services.learner.trials import Trials
+from services.learner.turn import Parts
 from shared.clock import ManualClock
 from shared.errors import PolicyError, RefusedError
 from shared.messages.heartbeat import LearnerState
@@ -38,6 +40,7 @@ class FakeTrainer:
 
     def __init__(self) -> None:
         self.begun: list[Round] = []
+        self.forgotten: list[int] = []
         self.outcome: Candidate | PolicyError | None = None
         self.stopped = 0
 
@@ -56,6 +59,9 @@ class FakeTrainer:
     def stop(self) -> None:
         self.stopped += 1
 
+    def forget(self, round_: Round) -> None:
+        self.forgotten.append(round_.number)
+
 
 class Bench:
     """A learner on a table, with all that a test turns."""
@@ -70,17 +76,18 @@ class Bench:
         self.trainer = FakeTrainer()
         self.learner = self.restart()
 
-    def restart(self, **round_: int) -> Learner:
+    def restart(self, gate: GateSettings | None = None, **round_: int) -> Learner:
         """Another learner process on the same store."""
+        gate = gate or GateSettings()
         bus = MemoryBus(self.router)
         self.trainer = FakeTrainer()
-        settings = LearnerSettings(round=RoundSettings(**{"corrections": 2, **round_}))
+        settings = LearnerSettings(round=RoundSettings(**{"corrections": 2, **round_}), gate=gate)
         parts = Parts(
             bus=bus,
             store=self.store,
             collector=Collector(bus, "lab", self.store, self.clock),
             trainer=self.trainer,
-            gate=LabelGate(GateSettings()),
+            gate=Gate(gate, Trials(bus, "lab", self.store, gate.trials, self.clock)),
             publisher=Publisher(
                 bus, "lab", "learner", self.files, Shelf(self.folder / "versions", self.files)
             ),

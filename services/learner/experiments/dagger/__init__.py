@@ -1,0 +1,1 @@
+"""`hld experiment dagger`: do corrections help, how much, and is it the corrections?"""

@@ -1,0 +1,194 @@
+"""A course of rounds in one run folder: collect, label, train, and the next round with what came
+of it; kept in a learner's store, so that what was done is not done again.
+"""
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import NamedTuple
+
+from services.learner.aggregate import Label, derive
+from services.learner.build import STORE_FILE, origin
+from services.learner.config import Recipe
+from services.learner.experiments.dagger.watching import Turn, Watched
+from services.learner.gate import Candidate
+from services.learner.rounds import next_manifest, take_stock
+from services.learner.shelf import Shelf
+from services.learner.store.sql import SqlStore, sqlite_url
+from services.learner.store.store import Manifest, PolicyRecord, Round, RoundState
+from services.learner.store.tensors import TensorFiles
+from shared.messages.correction import Correction, Kind
+from shared.messages.episode import Episode
+from shared.messages.policy import Version
+from shared.seeds import collection_seed
+
+EPOCH = 1
+LATER_NS = 1 << 62
+"""No episode is waited for: whoever asks has collected all of it."""
+
+
+class Effort(NamedTuple):
+    """What the people of a round did. overrides, releases: utterances that the robot obeyed.
+
+    steps: control steps that they looked on.
+    """
+
+    episodes: int
+    decisions: int
+    overrides: int
+    releases: int
+    steps: int
+    successes: int
+
+
+class Course:
+    """What one training seed went through under one person at one site."""
+
+    def __init__(self, folder: Path, low_level_sha256: str, seed: int) -> None:
+        """seed: of the training; each has scenes of its own."""
+        folder.mkdir(parents=True, exist_ok=True)
+        self.folder, self.seed = folder, seed
+        self._low_level_sha256 = low_level_sha256
+        self._files = TensorFiles(folder / "tensors")
+        self._shelf = Shelf(folder / "versions", self._files)
+        self.store = SqlStore(sqlite_url((folder / STORE_FILE).absolute()))
+        if self.store.epoch() == 0:
+            self.store.take_over("experiment", 0)
+
+    def close(self) -> None:
+        """Give the store back."""
+        self.store.close()
+
+    def found(self, base: Path | None) -> None:
+        """Begin with a checkpoint; None: the bundled one."""
+        if self.store.version() is None:
+            record = origin(base, self._files, self._low_level_sha256, 0)
+            self.store.found(record.model_copy(update={"epoch": EPOCH}))
+
+    def version(self, number: int) -> Path:
+        """The checkpoint folder of a version that was made, or of the one to begin with."""
+        record = self.store.version(number)
+        assert record is not None  # Whoever asks has made it.
+        made_by = (one for one in self.store.rounds() if one.made == number)
+        return self._shelf.put(record, next(made_by, None))
+
+    # -- collecting
+
+    def missing(self, round_: int, episodes: int, tasks: tuple[str, ...]) -> list[Turn]:
+        """The episodes of a round that have not been watched yet."""
+        if self._rounds() >= round_:
+            return []
+        there = {episode.id for episode in self._episodes()}
+        turns = [
+            Turn(
+                collection_seed(self.seed, (round_ - 1) * episodes + place),
+                tasks[place % len(tasks)],
+                f"r{round_}-e{place}",
+            )
+            for place in range(episodes)
+        ]
+        return [turn for turn in turns if turn.episode not in there]
+
+    def add(self, watched: Watched) -> None:
+        """Keep an episode; its record comes last, so that it is there only as a whole."""
+        for message in watched.messages:
+            self.store.add(message, 0)
+
+    def _episodes(self) -> tuple[Episode, ...]:
+        return self.store.history(self._everything()).episodes
+
+    def _everything(self) -> Manifest:
+        return Manifest(marks=self.store.survey(Manifest()).marks)
+
+    def _rounds(self) -> int:
+        """How many have begun."""
+        return len(self.store.rounds())
+
+    # -- rounds
+
+    def begin(self, number: int, recipe: Recipe) -> Round | None:
+        """The round with what was collected; None where it is over."""
+        rounds = self.store.rounds()
+        if len(rounds) >= number:
+            round_ = rounds[number - 1]
+            return round_ if round_.state is RoundState.RUNNING else None
+        used = rounds[-1].manifest if rounds else Manifest()
+        marks, arrivals = self.store.survey(used)
+        stock = take_stock(arrivals, LATER_NS, 0)
+        round_ = Round(
+            number=number,
+            epoch=EPOCH,
+            parent=number - 1,
+            seed=self.seed * 1000 + number,
+            manifest=next_manifest(marks, stock, recipe.model_dump(mode="json")),
+            begun_ns=0,
+        )
+        self.store.begin(round_)
+        return round_
+
+    def end(self, round_: Round, candidate: Candidate) -> None:
+        """Keep what came of a round; an experiment has no gate."""
+        made = PolicyRecord(
+            number=round_.number,
+            epoch=EPOCH,
+            tensors=candidate.tensors,
+            bank=candidate.bank,
+            settings=candidate.settings,
+            low_level_sha256=self._low_level_sha256,
+            marks=round_.manifest.marks,
+            created_ns=0,
+        )
+        ended = round_.model_copy(
+            update={
+                "state": RoundState.PASSED,
+                "figures": candidate.figures.model_dump(mode="json"),
+                "made": made.number,
+                "ended_ns": 0,
+            }
+        )
+        self.store.end(ended, made)
+        under_way(self.folder, round_.number).unlink(missing_ok=True)
+
+    # -- what it took
+
+    def labels(self, round_: int) -> tuple[Label, ...]:
+        """All that a round had to learn from."""
+        manifest = self.store.rounds()[round_ - 1].manifest
+        recipe = Recipe.model_validate(manifest.settings)
+        return derive(self.store.history(manifest), recipe.labels, self._low_level_sha256)
+
+    def effort(self, round_: int) -> Effort:
+        """What the people of one round did."""
+        history = self.store.history(self.store.rounds()[round_ - 1].manifest)
+        episodes = {one.id: one for one in history.episodes if one.id.startswith(f"r{round_}-")}
+        obeyed = {one.correction for one in history.receipts if one.accepted}
+        spoken = [
+            one for one in history.corrections if one.episode in episodes and one.id in obeyed
+        ]
+        return Effort(
+            episodes=len(episodes),
+            decisions=sum(one.decisions for one in episodes.values()),
+            overrides=_count(spoken, Kind.OVERRIDE),
+            releases=_count(spoken, Kind.RELEASE),
+            steps=sum(one.steps for one in episodes.values()),
+            successes=sum(one.success for one in episodes.values()),
+        )
+
+    def corrected_prompts(self, round_: int) -> frozenset[str]:
+        """The prompts of episodes in which something was said, up to a round."""
+        history = self.store.history(self.store.rounds()[round_ - 1].manifest)
+        spoken = {one.episode for one in history.corrections if one.kind is Kind.OVERRIDE}
+        return frozenset(one.prompt for one in history.episodes if one.id in spoken)
+
+
+def _count(corrections: Iterable[Correction], kind: Kind) -> int:
+    return sum(one.kind is kind for one in corrections)
+
+
+def under_way(folder: Path, round_: int) -> Path:
+    """File of a round that is being trained."""
+    return folder / f"round-{round_}.under-way.safetensors"
+
+
+def name_of(number: int) -> str:
+    """A version as its folder is called."""
+    return str(Version(EPOCH, number))
