@@ -6,8 +6,9 @@ import time
 import numpy as np
 import pytest
 
-from services.actor.act import Logbook, Runner
+from services.actor.act import Runner
 from services.actor.config import ActorSettings, FrameSettings
+from services.actor.logbook import Logbook
 from services.actor.obey import Inbox
 from services.actor.observe import Observer
 from services.actor.record import Recorder
@@ -26,7 +27,13 @@ from shared.wire.delivery import Courier
 from shared.wire.keys import any_robot, robot_key
 from shared.wire.memory import MemoryBus, MemoryRouter
 from shared.wire.outbox import Outbox
-from tests.unit.rollout.fakes import CountingRobot, EchoingLowLevel, SayingHighLevel, said
+from tests.unit.rollout.fakes import (
+    CountingRobot,
+    EchoingLowLevel,
+    SayingHighLevel,
+    ScoringHighLevel,
+    said,
+)
 
 DEADLINE_S = 10.0
 
@@ -233,6 +240,24 @@ def test_a_waiting_decision_is_shown_again_and_a_verdict_frees_the_robot(bench):
 def test_without_a_verdict_the_robot_goes_on_after_the_time_that_was_set(bench):
     bench = bench(rollout={"supervised": True}, verdict_timeout_s=0.05)
     bench.tick_until(lambda: bench.robot.actions)
+
+
+def test_a_robot_in_doubt_stands_still_tells_it_at_once_and_obeys_who_answers(bench):
+    bench = bench(rollout={"max_steps": 100_000}, help={"threshold": 0.4, "wait_s": 3600})
+    bench.refresh.newest = ScoringHighLevel(0.5)
+    bench.tick_until(lambda: len(bench.heard["heartbeat"]) >= 2)
+    asking = bench.heard["heartbeat"][1]  # Sooner than it were due: the first one began it all.
+    assert asking.state is RobotState.ASKING
+    bench.tick_until(lambda: len(bench.heard["decision"]) >= 2)  # It is shown again meanwhile.
+    assert bench.robot.actions == []
+    decision, call = bench.heard["decision"][0], asking.help
+    assert call.decision == decision.help.decision == decision.id
+    assert 0 < call.waits_s <= 3600
+    bench.say(said(Kind.OVERRIDE, "sideways", episode=current(bench), decision=decision.id))
+    bench.tick_until(lambda: len(bench.robot.actions) > 30)
+    assert {int(action[0]) for action in bench.robot.actions} == {len("sideways")}
+    assert bench.heard["heartbeat"][-1].help is None
+    assert bench.heard["heartbeat"][-1].state is RobotState.ACTING
 
 
 def test_an_episode_that_is_broken_off_is_told_as_aborted(bench):
