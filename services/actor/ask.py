@@ -12,13 +12,12 @@ from services.actor.doubt import Doubt
 from services.actor.logbook import Logbook
 from shared.budget import Budget
 from shared.clock import Clock
-from shared.messages.correction import Correction, Kind
+from shared.messages.correction import Correction
 from shared.messages.decision import Decision
 from shared.messages.help import Help
 from shared.messages.receipt import Receipt
 from shared.rollout.rollout import Rollout
 
-ANSWERS = (Kind.OVERRIDE, Kind.RELEASE, Kind.APPROVE, Kind.PASS)
 log = structlog.get_logger()
 
 
@@ -82,7 +81,7 @@ class Asker:
 
     def hear(self, rollout: Rollout, correction: Correction, receipt: Receipt) -> None:
         """Somebody spoke about this robot: that answers its call, whatever it was about."""
-        if self._doubt.call and receipt.accepted and correction.kind in ANSWERS:
+        if self._doubt.call and receipt.accepted and correction.kind.answers:
             self._doubt.close(rollout.step)
             self._go_on(rollout)
 
