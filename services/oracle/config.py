@@ -19,6 +19,7 @@ class OracleSettings(Settings):
     delay_steps: in supervised lockstep, from the decision to the effect of what is said.
     hold_steps: control steps that an override holds; None: until it is released.
     approve: say so when a command is right; None: only where the robot waits for it.
+    only_when_asked: watch only robots that ask for help, and those whom somebody's word holds.
     miss_rate: share of decisions that it doesn't look at: never approved, never corrected.
     wrong_phrase_rate: share of overrides in which it says a wrong command.
     seed: equal seeds miss and slip at equal scenes.
@@ -33,6 +34,7 @@ class OracleSettings(Settings):
     delay_steps: Annotated[int, Field(ge=0, le=10_000)] = 0
     hold_steps: Annotated[int, Field(ge=1, le=100_000)] | None = None
     approve: bool | None = None
+    only_when_asked: bool = False
     miss_rate: Share = 0.0
     wrong_phrase_rate: Share = 0.0
     seed: Annotated[int, Field(ge=0)] = 0
