@@ -159,8 +159,8 @@ def test_a_robot_in_doubt_stands_still_tells_it_at_once_and_obeys_who_answers(be
     bench.say(said(Kind.OVERRIDE, "sideways", episode=current(bench), decision=decision.id))
     bench.tick_until(lambda: len(bench.robot.actions) > 30)
     assert {int(action[0]) for action in bench.robot.actions} == {len("sideways")}
+    bench.tick_until(lambda: bench.heard["heartbeat"][-1].state is RobotState.ACTING)
     assert bench.heard["heartbeat"][-1].help is None
-    assert bench.heard["heartbeat"][-1].state is RobotState.ACTING
 
 
 def test_an_episode_that_is_broken_off_is_told_as_aborted(bench):
