@@ -24,6 +24,11 @@ from shared.workcell.tasks import task_named
 POLL_S = 0.5
 INTERRUPTED = 130  # As a shell says of Ctrl-C.
 PERSONS_STEPS = 3000  # A person gets 60 s an episode in real time, unless they set another limit.
+PERSONS_HELP = {  # In real time robots say when they are in doubt or stuck, and go on meanwhile.
+    "help__threshold": 0.6,
+    "help__stuck_steps": 150,
+    "help__per_hour": 0,
+}
 PLAIN_EVERY_S = 20.0  # How often a line goes out where no terminal can show a table.
 
 
@@ -163,7 +168,7 @@ def actor_sets(plan: Plan, index: int) -> list[str]:
             seed=plan.seed,
             pace=plan.pace,
             rollout__supervised=lockstep and plan.oracle,
-            **({} if lockstep else {"rollout__max_steps": PERSONS_STEPS}),
+            **({} if lockstep else {"rollout__max_steps": PERSONS_STEPS, **PERSONS_HELP}),
             episodes_per_version=share,
             wait_for_version_s=600 if plan.rounds else 90,
         ),

@@ -1,12 +1,10 @@
 """Act: one robot, episode after episode. `tick` is one turn of its control loop."""
 
-import json
-import os
-from pathlib import Path
-
 import structlog
 
+from services.actor.ask import Asker
 from services.actor.config import ActorSettings, Pace, Refresh
+from services.actor.logbook import Logbook
 from services.actor.obey import Inbox
 from services.actor.observe import Observer
 from services.actor.record import Recorder
@@ -24,58 +22,6 @@ from shared.seeds import collection_seed
 
 REPEAT_NS = 500_000_000
 log = structlog.get_logger()
-
-
-class Logbook:
-    """What a robot must remember over a restart: which episode is next, its share, and the draft
-    of the episode at work, so that it is told as broken off when its actor died in it.
-
-    number: episodes begun so far. finished: episodes finished under `version`.
-    draft: the episode at work as it would be told if it ended now; None between two.
-    """
-
-    def __init__(self, file: Path) -> None:
-        self._file = file
-        stored = json.loads(file.read_text()) if file.exists() else {}
-        self.number: int = stored.get("number", 0)
-        self.version: str = stored.get("version", "")
-        self.finished: int = stored.get("finished", 0)
-        draft = stored.get("draft")
-        self.draft = Episode.model_validate(draft) if draft else None
-
-    def begin(self, version: str) -> None:
-        """An episode begins under `version`."""
-        if version != self.version:
-            self.version, self.finished = version, 0
-        self.number += 1
-        self._write()
-
-    def renew(self) -> None:
-        """Another share under the same version."""
-        self.finished = 0
-        self._write()
-
-    def note(self, draft: Episode) -> None:
-        """The episode at work has come so far."""
-        self.draft = draft
-        self._write()
-
-    def close(self, finished: bool) -> None:
-        """The episode at work was told; `finished`: it counts."""
-        self.draft = None
-        self.finished += finished
-        self._write()
-
-    def _write(self) -> None:
-        content = {
-            "number": self.number,
-            "version": self.version,
-            "finished": self.finished,
-            "draft": self.draft.without_arrays() if self.draft else None,
-        }
-        fresh = self._file.with_suffix(".new")
-        fresh.write_text(json.dumps(content))
-        os.replace(fresh, self._file)
 
 
 class Runner:
@@ -101,6 +47,7 @@ class Runner:
         self._robot, self._low_level, self._source = robot, low_level, source
         self._thinking, self._recorder, self._observer = thinking, recorder, observer
         self._inbox, self._logbook = inbox, logbook
+        self._asker = Asker(name, settings.help, logbook, clock)
         self._rollout: Rollout | None = None
         self._started_ns = self._seed = 0
         self._resting_until = self._waiting_since = 0
@@ -117,7 +64,7 @@ class Runner:
             moved = self._rollout.advance()
             self._mind_waiting(self._rollout)
             self._observer.show(self._robot, self._rollout)
-        if self._observer.heartbeat_due():
+        if self._asker.news() or self._observer.heartbeat_due():
             self._beat()
         if self._rollout is not None and self._rollout.over:
             self._end(Outcome.SUCCESS if self._rollout.done else Outcome.TIMEOUT)
@@ -156,13 +103,14 @@ class Runner:
         task = self._settings.tasks[(number + self._index) % len(self._settings.tasks)]
         scene = self._robot.reset(self._seed, task, None)
         self._started_ns = self._clock.now_ns()
+        self._asker.begin()
         self._rollout = Rollout(
             self._robot,
             high_level,
             self._low_level,
             self._thinking,
             self._clock,
-            self._settings.rollout,
+            self._settings.hierarchy,
             name=self.name,
             episode=new_id("ep"),
             scene=scene,
@@ -174,6 +122,7 @@ class Runner:
         assert self._rollout is not None
         episode = self._episode(self._rollout, outcome, self._low_level.fingerprint())
         self._rollout = None
+        self._asker.begin()
         if self._settings.pace is Pace.REAL_TIME:
             self._resting_until = self._clock.monotonic_ns() + int(self._settings.rest_s * 1e9)
         self._recorder.ended(episode)
@@ -212,8 +161,9 @@ class Runner:
     # -- decisions and people
 
     def _decided(self, decision: Decision) -> None:
-        self._recorder.decided(decision)
         assert self._rollout is not None  # It has just decided.
+        decision = self._asker.look(self._rollout, decision, lambda: self._achieved(decision))
+        self._recorder.decided(decision)
         self._logbook.note(self._draft(self._rollout))
         now = self._clock.monotonic_ns()
         self._repeat_due = now + REPEAT_NS
@@ -221,9 +171,15 @@ class Runner:
         if self._settings.refresh is Refresh.DECISION:
             self._rollout.take_up(self._source.newest)
 
+    def _achieved(self, decision: Decision) -> bool:
+        """Whether what is in force is done, says the low level's classifier."""
+        completion = self._low_level.completion(*self._robot.sense(), decision.executed)
+        return completion >= self._settings.rollout.completion_threshold
+
     def _correct(self, correction: Correction) -> Receipt:
         if self._rollout is not None:
             receipt = self._rollout.correct(correction)
+            self._asker.hear(self._rollout, correction, receipt)
             self._logbook.note(self._draft(self._rollout))
             return receipt
         return Receipt(
@@ -236,14 +192,16 @@ class Runner:
         )
 
     def _mind_waiting(self, rollout: Rollout) -> None:
-        """While a decision awaits its verdict: show it again, and in the end go on without."""
+        """While a decision awaits a word: show it again, and in the end go on without."""
+        self._asker.mind(rollout)
         if rollout.awaited is None:
             return
         now = self._clock.monotonic_ns()
         if now >= self._repeat_due:
             self._repeat_due = now + REPEAT_NS
             self._recorder.repeat(rollout.awaited)
-        if self._settings.verdict_timeout_s and now >= self._verdict_due:
+        limited = rollout.awaited.awaits_verdict and self._settings.verdict_timeout_s
+        if limited and now >= self._verdict_due:
             log.warning("no verdict came, going on", robot=self.name, decision=rollout.awaited.id)
             rollout.awaited = None
 
@@ -271,6 +229,7 @@ class Runner:
                 supervised=settings.rollout.supervised,
                 real_time=settings.pace is Pace.REAL_TIME,
                 pending=self._recorder.pending,
+                help=self._asker.call,
                 **episode,
             )
         )
@@ -280,4 +239,6 @@ class Runner:
             return RobotState.IDLE
         if self._rollout.paused:
             return RobotState.PAUSED
+        if self._asker.waiting:
+            return RobotState.ASKING
         return RobotState.AWAITING if self._rollout.awaited else RobotState.ACTING

@@ -6,8 +6,9 @@ from importlib.metadata import entry_points
 
 import torch
 
-from services.actor.act import Logbook, Runner
+from services.actor.act import Runner
 from services.actor.config import ActorSettings, Pace
+from services.actor.logbook import Logbook
 from services.actor.obey import Inbox
 from services.actor.observe import Observer
 from services.actor.record import Recorder

@@ -2,13 +2,13 @@
 
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field
 
 from shared.config import Settings
 from shared.messages.message import Id
-from shared.rollout.settings import RolloutSettings
+from shared.rollout.settings import Replan, RolloutSettings
 from shared.wire.bus import BusSettings
 from shared.workcell.tasks import TASKS
 
@@ -34,6 +34,28 @@ class FrameSettings(Settings):
     width: Annotated[int, Field(ge=64, le=1280)] = 400
     height: Annotated[int, Field(ge=64, le=1280)] = 300
     quality: Annotated[int, Field(ge=10, le=100)] = 85
+
+
+class HelpSettings(Settings):
+    """When a robot calls for help; as it is here, never.
+
+    measure: what doubt is reckoned from: the entropy of the scores, or the margin of the best two.
+    threshold: the doubt, up to 1, from which on it calls; None: never out of doubt.
+    calm: share of the threshold below which it is sure again, and takes its call back.
+    stuck_steps: control steps of one command of which nothing comes, after which it calls; 0:
+        never.
+    pause_steps: control steps from the end of one call to the next one at the soonest.
+    wait_s: how long it stands still until somebody answers, at most; 0: it goes on at once.
+    per_hour: calls of one robot within any hour, over restarts, too; 0: no limit.
+    """
+
+    measure: Literal["entropy", "margin"] = "entropy"
+    threshold: Annotated[float, Field(gt=0, le=1)] | None = None
+    calm: Annotated[float, Field(ge=0, le=1)] = 0.8
+    stuck_steps: Annotated[int, Field(ge=0, le=100_000)] = 0
+    pause_steps: Annotated[int, Field(ge=0, le=100_000)] = 100
+    wait_s: Annotated[float, Field(ge=0, le=3600)] = 0.0
+    per_hour: Annotated[int, Field(ge=0, le=3600)] = 60
 
 
 class ActorSettings(Settings):
@@ -62,6 +84,7 @@ class ActorSettings(Settings):
     pace: Pace = Pace.REAL_TIME
     refresh: Refresh = Refresh.EPISODE
     rollout: RolloutSettings = RolloutSettings()
+    help: HelpSettings = HelpSettings()
     frames: FrameSettings = FrameSettings()
     bus: BusSettings = BusSettings()
     seed: Annotated[int, Field(ge=0, le=10_000)] = 0
@@ -75,3 +98,15 @@ class ActorSettings(Settings):
     data: Path = Path("runs/actor-1")
     threads: Annotated[int, Field(ge=1, le=64)] = 1
     log_level: str = "info"
+
+    @property
+    def hierarchy(self) -> RolloutSettings:
+        """`rollout` as a robot runs it.
+
+        Where only completion makes π_HL look, a robot that is to call when it is stuck gets a stuck
+        timer: without a look nobody would find out.
+        """
+        rollout, stuck_steps = self.rollout, self.help.stuck_steps
+        if stuck_steps and rollout.replan is Replan.COMPLETION and not rollout.patience_steps:
+            return rollout.model_copy(update={"stuck_steps": stuck_steps})
+        return rollout

@@ -9,7 +9,7 @@ from services.correction_api import problems
 from services.correction_api.config import ApiSettings
 from services.correction_api.gate import Gate
 from services.correction_api.parts import Parts
-from services.correction_api.routes import corrections, health, learner, live, robots
+from services.correction_api.routes import corrections, health, help, learner, live, robots
 from services.correction_api.routes.page import make_router
 from services.correction_api.utterance import Utterance
 
@@ -20,8 +20,8 @@ A correction is on disk before it is acknowledged, is taken to its robot until t
 says since which step it is in force (or why it was refused), and goes to the learner. The robot
 obeys at its next control step. The WebSocket `/api/v1/live` pushes states and pictures: send
 `{"watch": [{"robot": "robot-1", "camera": "angle"}]}`, read `{"type": "robot" | "decision" |
-"correction" | "episode" | "learner", …}` and binary pictures (2 bytes: length of the JSON head,
-the head with robot, step and camera, then the JPEG).
+"correction" | "episode" | "help" | "learner", …}` and binary pictures (2 bytes: length of the
+JSON head, the head with robot, step and camera, then the JPEG).
 """
 
 Opening = Callable[[], AbstractAsyncContextManager[Parts]]
@@ -49,7 +49,7 @@ def create_app(settings: ApiSettings, opening: Opening) -> FastAPI:
     queries = (robots.DecisionQuery, corrections.HistoryQuery, learner.EpisodeQuery)
     fields = {name for query in queries for name in query.model_fields}
     problems.install(app, {"body": set(Utterance.model_fields), "query": fields})
-    for module in (robots, corrections, learner, live, health):
+    for module in (robots, help, corrections, learner, live, health):
         app.include_router(module.router, prefix=API)
     app.include_router(health.router, include_in_schema=False)
     app.include_router(make_router())

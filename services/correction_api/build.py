@@ -6,6 +6,7 @@ from contextlib import AsyncExitStack, asynccontextmanager
 
 from services.correction_api.accept import Desk
 from services.correction_api.bell import Bell
+from services.correction_api.calls import Calls
 from services.correction_api.cameras import Cameras
 from services.correction_api.config import ApiSettings
 from services.correction_api.deliver import Messenger
@@ -67,6 +68,7 @@ def _make(settings: ApiSettings, bus: Bus, clock: Clock, store: Store) -> Parts:
         bus=bus,
         metrics=metrics,
         watch=watch,
+        calls=Calls(clock, settings.help.per_hour, metrics),
         log=store.log,
         parcels=store.parcels,
         episodes=store.episodes,
@@ -86,6 +88,8 @@ def _set_to_work(parts: Parts, clock: Clock, closing: AsyncExitStack) -> None:
 
     def spoken(entry: Entry) -> None:
         courier.wake()
+        if entry.receipt:
+            parts.calls.answer(entry.correction, entry.receipt)
         news.spoken(entry)
 
     messenger = Messenger(bus, fleet, parts.log, clock, settings.delivery, parts.desk.close)
@@ -95,7 +99,8 @@ def _set_to_work(parts: Parts, clock: Clock, closing: AsyncExitStack) -> None:
     closing.callback(cameras.close)
     parts.live.on_look(cameras.want)
     parts.watch.on_change(news.changed)
-    listener = Listener(bus, fleet, parts.watch, parts.episodes, parts.metrics)
+    parts.calls.on_change(news.called)
+    listener = Listener(bus, fleet, parts.watch, parts.calls, parts.episodes, parts.metrics)
     closing.callback(listener.close)
     minding = asyncio.get_running_loop().create_task(news.mind())
     closing.callback(minding.cancel)
@@ -106,6 +111,7 @@ def _set_to_work(parts: Parts, clock: Clock, closing: AsyncExitStack) -> None:
 def _gauge(parts: Parts, messenger: Messenger) -> None:
     gauge = parts.metrics.gauge
     gauge("robots", "Robots that were ever heard of", lambda: len(parts.watch.names()))
+    gauge("help_open", "Robots that ask for help", lambda: len(parts.calls.queue()))
     gauge("live_clients", "Open pages", lambda: len(parts.live))
     gauge("corrections_pending", "Corrections without a receipt", lambda: len(messenger))
     gauge("outbox_parcels", "What the learner does not have yet", lambda: len(parts.parcels))

@@ -41,6 +41,16 @@ class DeliverySettings(Settings):
     asking: Annotated[int, Field(ge=1, le=256)] = 32
 
 
+class HelpSettings(Settings):
+    """How much of people's attention all robots together may ask for.
+
+    per_hour: calls for help that are shown within any hour since this service started; what is
+        beyond is counted, and its robots carry on as they do when nobody comes. 0: no limit.
+    """
+
+    per_hour: Annotated[int, Field(ge=0, le=100_000)] = 0
+
+
 class ApiSettings(Settings):
     """One correction API.
 
@@ -64,6 +74,7 @@ class ApiSettings(Settings):
     text_characters: Annotated[int, Field(ge=1, le=MAX_TEXT)] = MAX_TEXT
     watch: WatchSettings = WatchSettings()
     delivery: DeliverySettings = DeliverySettings()
+    help: HelpSettings = HelpSettings()
     bus: BusSettings = BusSettings()
     log_level: str = "info"
 

@@ -59,6 +59,25 @@ DECISION: Json = {
     "truth": {},
 }
 
+HELP: Json = {
+    "asking": [
+        {
+            "robot": "robot-1",
+            "episode": "ep-5f1c",
+            "decision": "ep-5f1c-3",
+            "step": 60,
+            "since_ns": 1_795_442_400_000_000_000,
+            "reason": "entropy",
+            "doubt": 0.62,
+            "waits_s": 12.5,
+            "prompt": "make a sandwich with cheese and tomato",
+            "command": PROPOSED[0]["goal"],
+            "proposed": PROPOSED,
+        }
+    ],
+    "suppressed": 0,
+}
+
 CORRECTION: Json = {
     "correction": {
         "id": "say-0a1b2c3d4e5f6071",

@@ -5,6 +5,7 @@ from typing import TypeVar
 
 import structlog
 
+from services.correction_api.calls import Calls
 from services.correction_api.metrics import Metrics
 from services.correction_api.store.episodes import Episodes
 from services.correction_api.store.writer import StoreError
@@ -27,13 +28,20 @@ class Listener:
     """The subscriptions of the API, except those for pictures; close it to end them."""
 
     def __init__(
-        self, bus: Bus, fleet: str, watch: Watch, episodes: Episodes, metrics: Metrics
+        self,
+        bus: Bus,
+        fleet: str,
+        watch: Watch,
+        calls: Calls,
+        episodes: Episodes,
+        metrics: Metrics,
     ) -> None:
-        self._watch, self._episodes, self._metrics = watch, episodes, metrics
+        self._watch, self._calls = watch, calls
+        self._episodes, self._metrics = episodes, metrics
         take = self._taking
         self._subscriptions = [
-            bus.subscribe(any_robot(fleet, "heartbeat"), take(RobotHeartbeat, watch.robot)),
-            bus.subscribe(any_robot(fleet, "decision"), take(Decision, watch.decision)),
+            bus.subscribe(any_robot(fleet, "heartbeat"), take(RobotHeartbeat, self._beat)),
+            bus.subscribe(any_robot(fleet, "decision"), take(Decision, self._decide)),
             bus.subscribe(any_robot(fleet, "episode"), take(Episode, self._end)),
             bus.subscribe(
                 any_service(fleet, "learner", "heartbeat"), take(LearnerHeartbeat, watch.learner)
@@ -48,7 +56,16 @@ class Listener:
         for subscription in self._subscriptions:
             subscription.close()
 
+    def _beat(self, heartbeat: RobotHeartbeat) -> None:
+        self._watch.robot(heartbeat)
+        self._calls.tell(heartbeat.robot, heartbeat.help, heartbeat.time_ns)
+
+    def _decide(self, decision: Decision) -> None:
+        self._calls.tell(decision.robot, decision.help, decision.time_ns)
+        self._watch.decision(decision)  # It rings for who waits, and reads the queue then.
+
     def _end(self, episode: Episode) -> None:
+        self._calls.tell(episode.robot, None, episode.ended_ns)
         self._watch.episode(episode)
         try:
             self._episodes.add(episode)

@@ -13,6 +13,9 @@ class Metrics:
     corrections: accepted, by kind. closed: by what became of them.
     latency: from the acceptance of a correction to its receipt.
     unreadable: messages from the bus that were none.
+    help_asked: calls for help, by reason; help_answered: of those that were shown;
+        help_expired: nobody came in the time that a robot stood still;
+        help_suppressed: beyond the budget of the fleet, and not shown.
     live_dropped: what slow pages did not get, by the kind of what was lost.
     """
 
@@ -35,6 +38,18 @@ class Metrics:
         )
         self.live_dropped = Counter(
             "hldagger_live_dropped", "What slow pages did not get", ["kind"], registry=registry
+        )
+        self.help_asked = Counter(
+            "hldagger_help_asked", "Calls for help", ["reason"], registry=registry
+        )
+        self.help_answered = Counter(
+            "hldagger_help_answered", "Calls for help that somebody answered", registry=registry
+        )
+        self.help_expired = Counter(
+            "hldagger_help_expired", "Robots that waited for nobody", registry=registry
+        )
+        self.help_suppressed = Counter(
+            "hldagger_help_suppressed", "Calls beyond the fleet's budget", registry=registry
         )
         self.frames = Counter("hldagger_frames", "Camera pictures taken in", registry=registry)
 

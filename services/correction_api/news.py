@@ -9,6 +9,7 @@ from services.correction_api.show import (
     event,
     show_correction,
     show_decision,
+    show_help,
     show_learner,
     show_robot,
 )
@@ -33,16 +34,22 @@ class News:
         match kind:
             case "robot":
                 self._robot(name)
+                self._call(name)
             case "decision":
                 self._parts.bell.ring()
                 self._robot(name)
                 self._decision(name)
+                self._call(name)
             case "episode":
                 episode = event("episode", lambda: {"robot": name})
                 self._parts.live.offer(Slot("episode", name), episode)
             case _:
                 learner = event("learner", lambda: show_learner(self._parts))
                 self._parts.live.offer(Slot("learner"), learner)
+
+    def called(self) -> None:
+        """A call for help began, changed or ended. Any thread."""
+        self._parts.live.offer(Slot("help"), event("help", lambda: show_help(self._parts)))
 
     def spoken(self, entry: Entry) -> None:
         """A correction was kept or closed. Event loop's thread only."""
@@ -58,11 +65,17 @@ class News:
                 if self._presences.get(name) != presence:
                     self._presences[name] = presence
                     self._robot(name)
+                    self.called()  # Who has fallen silent asks for nothing.
             await asyncio.sleep(LOOK_S)
 
     def _robot(self, name: str) -> None:
         view = event("robot", lambda: show_robot(self._parts, name))
         self._parts.live.offer(Slot("robot", name), view)
+
+    def _call(self, name: str) -> None:
+        """What is shown with a call for help changes with its robot, and its time runs."""
+        if any(call.robot == name for call in self._parts.calls.queue()):
+            self.called()
 
     def _decision(self, name: str) -> None:
         decision = self._parts.watch.look(name).decision

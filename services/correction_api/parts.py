@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 from services.correction_api.accept import Desk
 from services.correction_api.bell import Bell
+from services.correction_api.calls import Calls
 from services.correction_api.config import ApiSettings
 from services.correction_api.live import Live
 from services.correction_api.metrics import Metrics
@@ -42,6 +43,7 @@ class Parts:
     bus: Bus
     metrics: Metrics
     watch: Watch
+    calls: Calls
     log: Log
     parcels: Parcels
     episodes: Episodes

@@ -6,14 +6,18 @@ from typing import Any
 
 from pydantic import BaseModel
 
+from services.correction_api.calls import Call
 from services.correction_api.parts import Parts
 from services.correction_api.phrases import look_up
 from services.correction_api.store.log import Entry
 from services.correction_api.views import (
     CorrectionView,
     DecisionBrief,
+    HelpQueue,
+    HelpView,
     LearnerView,
     PolicyView,
+    Presence,
     RobotView,
 )
 from services.correction_api.watch import Force, Sight
@@ -25,6 +29,8 @@ SHOWN = {
     *("robot", "actor", "state", "task", "prompt", "site", "number", "step"),
     *("version", "supervised", "real_time", "pending"),
 }
+
+PROPOSED = 3  # of a robot that asks for help
 
 
 def show_robot(parts: Parts, name: str) -> RobotView:
@@ -47,6 +53,12 @@ def show_robot(parts: Parts, name: str) -> RobotView:
         author=parts.authors.get(force.chosen_by) if force else None,
         decision=_brief(sight),
     )
+
+
+def show_help(parts: Parts) -> HelpQueue:
+    """Who asks for help, but for those that have fallen silent."""
+    views = [view for call in parts.calls.queue() if (view := _call(parts, call))]
+    return HelpQueue(asking=views, suppressed=parts.calls.suppressed())
 
 
 def show_decision(decision: Decision) -> dict[str, Any]:
@@ -98,6 +110,29 @@ def event(kind: str, content: Callable[[], BaseModel | dict[str, Any]]) -> Calla
         return json.dumps({"type": kind, kind: model})
 
     return render
+
+
+def _call(parts: Parts, call: Call) -> HelpView | None:
+    try:
+        sight = parts.watch.look(call.robot)
+    except KeyError:  # Its first heartbeat is on the way.
+        return None
+    newest, silent = sight.decision, parts.watch.presence(sight.heard_ns)[0] is Presence.OFFLINE
+    if silent or newest is None or newest.episode != sight.episode:
+        return None
+    return HelpView(
+        robot=call.robot,
+        episode=newest.episode,
+        decision=call.help.decision,
+        step=call.help.step,
+        since_ns=call.help.time_ns,
+        reason=call.help.reason,
+        doubt=round(call.help.doubt, 3),
+        waits_s=round(call.help.waits_s, 1),
+        prompt=newest.prompt,
+        command=LanguageGoal(text=sight.force.text) if sight.force else newest.executed,
+        proposed=newest.proposed[:PROPOSED],
+    )
 
 
 def _chooser(force: Force) -> str:

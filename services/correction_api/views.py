@@ -11,7 +11,8 @@ from shared.messages.decision import Proposal
 from shared.messages.episode import Episode
 from shared.messages.goal import Goal
 from shared.messages.heartbeat import LearnerState, RobotState
-from shared.messages.message import Id
+from shared.messages.help import Reason
+from shared.messages.message import Id, TimeNs
 from shared.messages.observation import CAMERAS
 from shared.messages.policy import Version
 from shared.messages.receipt import Receipt
@@ -73,6 +74,38 @@ class RobotView(View):
     real_time: bool
     pending: int
     cameras: tuple[str, ...] = CAMERAS
+
+
+class HelpView(View):
+    """A robot that asks for help.
+
+    decision, step: where it began to ask; since_ns: when, by the clock of its actor.
+    reason: entropy or margin of the scores, or stuck: nothing comes of its command.
+    doubt: 0 to 1, now. waits_s: how much longer it stands still for an answer; 0: it goes on.
+    proposed: the first few of its newest decision, best first.
+    """
+
+    robot: Annotated[Id, Field(examples=["robot-1"])]
+    episode: Annotated[Id, Field(examples=["ep-5f1c"])]
+    decision: Annotated[Id, Field(examples=["ep-5f1c-3"])]
+    step: int
+    since_ns: TimeNs
+    reason: Reason
+    doubt: Annotated[float, Field(examples=[0.62])]
+    waits_s: Annotated[float, Field(examples=[12.5])]
+    prompt: str
+    command: Goal
+    proposed: tuple[Proposal, ...]
+
+
+class HelpQueue(View):
+    """Who asks for help: who stands still first, then by doubt.
+
+    suppressed: how many more do, beyond the budget of the fleet.
+    """
+
+    asking: list[HelpView]
+    suppressed: int
 
 
 class Phrase(View):

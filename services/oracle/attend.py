@@ -12,7 +12,7 @@ from services.oracle.client import Client, GoneError, OverError
 from services.oracle.config import OracleSettings
 from services.oracle.seen import Seen
 from shared.errors import HldError, RefusedError
-from shared.workcell.person import Kind, Verdict, judge, top
+from shared.workcell.person import Kind, Verdict, held, judge, top
 
 ABSENT_S = 1.0
 log = structlog.get_logger()
@@ -52,13 +52,23 @@ class Attention:
             seen, self._attempt = last, self._attempt + 1
         else:
             return
-        if seen.awaits_verdict:
+        if not await self._watches(seen):
+            self._counts["unasked"] += 1
+            if seen.awaits_verdict:
+                await self._say(seen, Verdict(Kind.PASS), time.time_ns())
+        elif seen.awaits_verdict:
             verdict = judge(seen, self._settings)
             if self._attempt and verdict.kind is Kind.RELEASE:
                 verdict = Verdict(Kind.OVERRIDE, top(seen))  # Somebody else let go before.
             await self._say(seen, verdict, time.time_ns())
         else:
             await self._react(seen)
+
+    async def _watches(self, seen: Seen) -> bool:
+        """Who only comes when asked stays until what was said holds no longer."""
+        if not self._settings.only_when_asked or held(seen):
+            return True
+        return seen.help is not None and await self._client.asks(self._robot)
 
     async def _unheard(self, last: Seen) -> bool:
         """The robot waits still, since the verdict was lost, refused, or too old when it came."""
@@ -69,16 +79,19 @@ class Attention:
         return self._status not in ("pending", "in force", "over")
 
     async def _react(self, seen: Seen) -> None:
-        """In real time: speak after the reaction time, if there is something to say still."""
+        """In real time: speak after the reaction time, if there is something to say still.
+
+        Who doesn't look lets a robot that asks for help wait in vain.
+        """
         verdict, begun_ns = judge(seen, self._settings), time.time_ns()
         if verdict.missed:
             self._counts["missed"] += 1
-        elif verdict.objects:
+        elif verdict.objects or seen.waits:
             await asyncio.sleep(self._settings.delay_s)
             newest = await self._client.decision(self._robot, None, 0) or seen
             again = judge(newest, self._settings)
             self._last = newest
-            if again.objects:
+            if again.objects or (newest.waits and not again.missed):
                 await self._say(newest, again, begun_ns)
         elif verdict.kind is Kind.APPROVE and self._settings.approve:
             await self._say(seen, verdict, begun_ns)

@@ -58,6 +58,11 @@ class Client:
             raise GoneError(answer.json()["detail"])
         return None if answer.status_code == 204 else parse(answer.content)
 
+    async def asks(self, robot: str) -> bool:
+        """Whether a robot asks for help, within what the fleet may ask."""
+        answer = await self._ask("GET", "help")
+        return any(call["robot"] == robot for call in answer.json()["asking"])
+
     async def say(self, robot: str, body: dict[str, Any]) -> str:
         """Say something under the id in `body`; what became of it: "in force" or "pending".
 

@@ -18,6 +18,7 @@ class OracleSettings(Habits):
     delay_steps: in supervised lockstep, from the decision to the effect of what is said.
     hold_steps: control steps that an override holds; None: until it is released.
     approve: say so when a command is right; None: only where the robot waits for it.
+    only_when_asked: watch only robots that ask for help, and those whom somebody's word holds.
     miss_rate, wrong_phrase_rate, seed: see `Habits`.
     wait_s: how long to wait for a decision before asking again. report_s: between two log lines.
     """
@@ -30,6 +31,7 @@ class OracleSettings(Habits):
     delay_steps: Annotated[int, Field(ge=0, le=10_000)] = 0
     hold_steps: Annotated[int, Field(ge=1, le=100_000)] | None = None
     approve: bool | None = None
+    only_when_asked: bool = False
     wait_s: Annotated[float, Field(gt=0, le=60)] = 5.0
     report_s: Annotated[float, Field(gt=0)] = 30.0
     log_level: str = "info"

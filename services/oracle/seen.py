@@ -24,10 +24,17 @@ class Proposed(BaseModel):
     score: float
 
 
+class Call(BaseModel):
+    """A call for help. waits_s: for how much longer the robot stands still; 0: it goes on."""
+
+    waits_s: float
+
+
 class Seen(BaseModel):
     """A decision as a person sees it, plus the truth, which no person has.
 
     executed: the command in force, chosen by a policy version or by a correction's id.
+    help: the robot's call for help, if one is open.
     previous: the commands before, oldest first. proposed: what else was considered, best first.
     """
 
@@ -45,7 +52,13 @@ class Seen(BaseModel):
     executed: Command
     chosen_by: str
     awaits_verdict: bool
+    help: Call | None = None
     truth: dict[str, Any]
+
+    @property
+    def waits(self) -> bool:
+        """The robot stands still for a while until somebody helps."""
+        return self.help is not None and self.help.waits_s > 0
 
 
 def parse(content: bytes) -> Seen:

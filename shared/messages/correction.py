@@ -27,6 +27,11 @@ class Kind(StrEnum):
     PAUSE = "pause"
     RESUME = "resume"
 
+    @property
+    def answers(self) -> bool:
+        """It answers a robot that calls for help, which standing still and carrying on don't."""
+        return self not in (Kind.PAUSE, Kind.RESUME)
+
 
 class Correction(Message):
     """One utterance of a person about one robot.

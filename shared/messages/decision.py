@@ -9,6 +9,7 @@ from typing import Annotated, Self
 from pydantic import Field, JsonValue, model_validator
 
 from shared.messages.goal import Goal
+from shared.messages.help import Help
 from shared.messages.message import Id, Message, Step, Text, TimeNs
 from shared.messages.observation import OBSERVATION_ARRAYS
 from shared.messages.policy import Version
@@ -85,6 +86,8 @@ class Decision(Message):
     chosen_by: the policy version ("1.3") or, where a person's word held, the id of the correction.
     choice: how that follows from `proposed`; None in records from before this was told.
     awaits_verdict: the robot stands still until a supervisor approves or corrects (lockstep).
+    help: the call for help that is open at this query, where there is one; it began here if it
+        names this decision.
     truth: the simulator's account of the scene for scripted people; real robots leave it empty.
     arrays: as in `Observation`.
 
@@ -112,6 +115,7 @@ class Decision(Message):
     choice: Choice | None = None
     version: Version
     awaits_verdict: bool = False
+    help: Help | None = None
     truth: dict[str, JsonValue] = Field(default_factory=dict)
 
     @model_validator(mode="after")
@@ -128,3 +132,9 @@ class Decision(Message):
     def entropy(self) -> float:
         """How undecided the high level was, in nats; at least, as `entropy` says."""
         return entropy(self.proposed)
+
+    @property
+    def margin(self) -> float:
+        """By how much the best proposal is more probable than the next one; 1 if it is alone."""
+        first, *others = (proposal.score for proposal in self.proposed)
+        return first - others[0] if others else 1.0

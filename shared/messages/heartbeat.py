@@ -5,15 +5,21 @@ from enum import StrEnum
 from pydantic import Field
 
 from shared.messages.goal import Goal
+from shared.messages.help import Help
 from shared.messages.message import Id, Message, Step, Text, TimeNs
 from shared.messages.policy import Version
 
 
 class RobotState(StrEnum):
-    """What a robot is doing: working, standing until a verdict or a resume, or between episodes."""
+    """What a robot is doing: working, standing still, or between two episodes.
+
+    awaiting: until a verdict comes (supervised lockstep). asking: until somebody helps, for a
+    while. paused: until somebody says resume.
+    """
 
     ACTING = "acting"
     AWAITING = "awaiting"
+    ASKING = "asking"
     PAUSED = "paused"
     IDLE = "idle"
 
@@ -24,6 +30,7 @@ class RobotHeartbeat(Message):
     task, prompt, site, episode: None between two episodes.
     command: the goal in force; chosen_by as in `Decision`.
     supervised: it waits at each decision for a verdict.
+    help: its call for help that is open.
     pending: records that its actor still keeps for the learner.
     """
 
@@ -43,6 +50,7 @@ class RobotHeartbeat(Message):
     supervised: bool = False
     real_time: bool = True
     pending: Step = 0
+    help: Help | None = None
 
 
 class LearnerState(StrEnum):

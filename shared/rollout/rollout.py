@@ -35,7 +35,7 @@ class Rollout:
     step: the next control step to be executed, which is also how many have been.
     asked: how many decisions there were, by why the high level was asked.
     command: the goal in force; chosen_by: the policy version or the id of a correction.
-    awaited: the decision for which the robot stands still, in supervised lockstep.
+    awaited: the decision for which the robot stands still: supervised, or since it asks for help.
     paused: it stands still because a person said so.
     done: the task succeeded; over: the episode has ended, by success or by time.
     """

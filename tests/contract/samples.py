@@ -15,6 +15,7 @@ from shared.messages.episode import Episode, Outcome
 from shared.messages.frame import Frame
 from shared.messages.goal import LanguageGoal
 from shared.messages.heartbeat import LearnerHeartbeat, LearnerState, RobotHeartbeat, RobotState
+from shared.messages.help import Help, Reason
 from shared.messages.message import Message
 from shared.messages.observation import Observation
 from shared.messages.policy import PolicyAnnouncement, TensorRef, Version
@@ -27,14 +28,14 @@ GOLDEN = Path(__file__).parent / "golden"
 
 NUMBERS: dict[type[Message], int] = {
     Correction: 1,
-    Decision: 2,
+    Decision: 3,
     Episode: 2,
     Frame: 1,
     LearnerHeartbeat: 1,
     Observation: 1,
     PolicyAnnouncement: 2,
     Receipt: 1,
-    RobotHeartbeat: 1,
+    RobotHeartbeat: 2,
     Ruling: 1,
     TrialOrder: 1,
     TrialReport: 1,
@@ -47,6 +48,9 @@ UNFIT: dict[type[Message], set[str]] = {Ruling: {"round", "version"}}
 CHEESE = LanguageGoal(text="pick up the cheese")
 HAM = LanguageGoal(text="pick up the ham")
 TIME_NS = 1_795_000_000_123_456_789
+HELP = Help(
+    decision="dec-1", step=150, time_ns=TIME_NS, reason=Reason.MARGIN, doubt=0.75, waits_s=12.5
+)
 
 
 def arrays() -> dict[str, np.ndarray]:
@@ -91,6 +95,7 @@ def decision() -> Decision:
         choice=Choice.BEST,
         version=Version(1, 2),
         awaits_verdict=True,
+        help=HELP,
         truth={"held": [None, "ham"], "position_m": [0.5, -0.25, 1e-3], "steps": 4},
         arrays=arrays(),
     )
@@ -164,7 +169,7 @@ def robot() -> RobotHeartbeat:
         robot="robot-1",
         actor="actor-1",
         time_ns=TIME_NS,
-        state=RobotState.AWAITING,
+        state=RobotState.ASKING,
         task="sandwich",
         prompt="a cheese sandwich",
         site="kitchen",
@@ -177,6 +182,7 @@ def robot() -> RobotHeartbeat:
         supervised=True,
         real_time=False,
         pending=3,
+        help=HELP,
     )
 
 

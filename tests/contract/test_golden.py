@@ -12,7 +12,7 @@ from shared.wire.codec import decode, encode
 from tests.contract.samples import GOLDEN, NUMBERS, UNFIT, golden_file, samples
 
 FILES = sorted(GOLDEN.iterdir())
-PARTS = {"Proposal", "LanguageGoal", "TensorRef"}  # They travel within others only.
+PARTS = {"Proposal", "LanguageGoal", "TensorRef", "Help"}  # They travel within others only.
 
 
 def message_classes():

@@ -1,6 +1,6 @@
 // The head of the page: the learner, and how often each version succeeds.
 import { html } from "./html.js";
-import { setName, state, touch } from "./store.js";
+import { next, setName, state, touch } from "./store.js";
 
 export function Fleet() {
   return html`
@@ -8,6 +8,7 @@ export function Fleet() {
       <h1><img src="icon.svg" alt="" width="22" height="22" /> hl-dagger</h1>
       <${Learner} learner=${state.learner} />
       <${Tally} tally=${state.tally} />
+      <${InDoubt} help=${state.help} />
       <div class="you">
         <label>
           You are
@@ -19,7 +20,7 @@ export function Fleet() {
             onInput=${(event) => setName(event.target.value)}
           />
         </label>
-        <label title="1–9, y, r, / and Esc act on the robot in focus">
+        <label title="1–9, y, r, / and Esc act on the robot in focus, n goes to the next in doubt">
           <input type="checkbox" name="keys" checked=${state.keys} onChange=${toggleKeys} />
           keys
         </label>
@@ -31,6 +32,15 @@ export function Fleet() {
 function toggleKeys(event) {
   state.keys = event.target.checked;
   touch();
+}
+
+function InDoubt({ help }) {
+  if (!help.asking.length) return null;
+  return html`
+    <button class="in-doubt" onClick=${next} aria-keyshortcuts="n" title="Go to the next one">
+      <kbd>n</kbd>${help.asking.length} in doubt
+    </button>
+  `;
 }
 
 function Learner({ learner }) {

@@ -1,6 +1,6 @@
 // Keys for the robot in focus. They rest while somebody types, and can be turned off.
 import { say } from "./say.js";
-import { state } from "./store.js";
+import { next, state } from "./store.js";
 
 export function listen() {
   document.addEventListener("keydown", (event) => {
@@ -18,6 +18,7 @@ function press(robot, key) {
   else if (key === "y" && robot.decision) say(robot.robot, { kind: "approve" });
   else if (key === "r" && robot.by === "person") say(robot.robot, { kind: "release" });
   else if (key === "Escape") say(robot.robot, { kind: "pause" });
+  else if (key === "n") next();
   else if (key === "/") words(robot.robot).focus();
   else return false;
   return true;

@@ -2,7 +2,7 @@
 import { Component, html } from "./html.js";
 import { Picture } from "./pictures.js";
 import { say } from "./say.js";
-import { state, touch } from "./store.js";
+import { callOf, state, touch } from "./store.js";
 
 const SHOWN_HISTORY = 5;
 const HOLDS = [
@@ -94,12 +94,20 @@ function Title({ robot }) {
     <header>
       <h2>${robot.robot}</h2>
       <span class=${`doing ${doing}`}>${doing}${since}</span>
+      <${Doubt} call=${callOf(robot.robot)} />
       <span class="facts">
         episode ${robot.number} · step <b>${robot.step}</b> · policy ${robot.version}
       </span>
       <p class="prompt">${robot.prompt ?? "between two episodes"}</p>
     </header>
   `;
+}
+
+function Doubt({ call }) {
+  if (!call) return null;
+  const why = call.reason === "stuck" ? "stuck" : `in doubt ${percent(call.doubt)}`;
+  const waits = call.waits_s ? `, waits ${Math.ceil(call.waits_s)} s` : "";
+  return html`<span class="doing doubt">${why}${waits}</span>`;
 }
 
 function Caption({ robot }) {

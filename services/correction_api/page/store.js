@@ -15,6 +15,7 @@ export const state = {
   robots: {},
   learner: null,
   tally: [],
+  help: { asking: [], suppressed: 0 }, // robots in doubt, the most urgent first
   corrections: {}, // by robot, the newest first
   said: {}, // by robot: the last thing that was said here, and what became of it
   slots: {}, // by robot: which phrase stands on which key
@@ -45,10 +46,23 @@ export function setName(name) {
 export const author = () =>
   state.name.toLowerCase().replace(/[^a-z0-9-]+/g, "-").slice(0, 64) || "person";
 
+/** The robot's call for help, if one is open. */
+export const callOf = (robot) => state.help.asking.find((call) => call.robot === robot);
+
+/** Focus the next robot in doubt; from one that isn't, the most urgent. */
+export function next() {
+  const robots = state.help.asking.map(({ robot }) => robot);
+  if (!robots.length) return;
+  state.focused = robots[(robots.indexOf(state.focused) + 1) % robots.length];
+  document.querySelector(`[data-robot="${state.focused}"]`)?.scrollIntoView({ block: "nearest" });
+  touch();
+}
+
 /** Take in a message of the WebSocket. */
 export function hear(message) {
   if (message.type === "robot") hearRobot(message.robot);
   if (message.type === "learner") state.learner = message.learner;
+  if (message.type === "help") state.help = message.help;
   if (message.type === "correction") hearCorrection(message.correction);
   if (message.type === "episode") loadTally();
   touch();

@@ -12,7 +12,7 @@ from services.correction_api.bell import Bell
 from services.correction_api.live import Client, Slot, View
 from services.correction_api.parts import Parts
 from services.correction_api.routes import PartsDep
-from services.correction_api.show import event, show_learner, show_robot
+from services.correction_api.show import event, show_help, show_learner, show_robot
 from shared.messages.message import Id
 
 MAX_VIEWS = 128
@@ -65,6 +65,7 @@ async def live(socket: WebSocket, parts: PartsDep) -> None:
 def _greet(parts: Parts, client: Client) -> None:
     for name in parts.watch.names():
         client.offer(Slot("robot", name), event("robot", partial(show_robot, parts, name)))
+    client.offer(Slot("help"), event("help", lambda: show_help(parts)))
     client.offer(Slot("learner"), event("learner", lambda: show_learner(parts)))
 
 

@@ -13,6 +13,7 @@ from shared.messages.episode import Episode, Outcome
 from shared.messages.frame import Frame
 from shared.messages.goal import LanguageGoal
 from shared.messages.heartbeat import LearnerHeartbeat, LearnerState, RobotHeartbeat, RobotState
+from shared.messages.help import Help, Reason
 from shared.messages.observation import CAMERAS
 from shared.messages.policy import PolicyAnnouncement, TensorRef, Version
 from shared.messages.receipt import Receipt
@@ -43,6 +44,7 @@ class FakeRobot:
         self.episode, self.step, self.index = f"{name}-e1", 0, 0
         self.command, self.chosen_by = COMMANDS[0], "1.0"
         self.state = RobotState.ACTING
+        self.help: Help | None = None
         self.heard: list[Correction] = []
         self.receipts: dict[str, Receipt] = {}
         self.deaf, self.reason = False, ""
@@ -77,6 +79,7 @@ class FakeRobot:
             chosen_by=self.chosen_by,
             version=Version(1, 0),
             awaits_verdict=self.supervised,
+            help=self.help,
             truth=truth or {},
             arrays={
                 "images": np.zeros((2, 64, 64, 3), np.uint8),
@@ -87,6 +90,19 @@ class FakeRobot:
         self.index += 1
         self.repeat(decision)
         return decision
+
+    def ask(self, doubt: float = 0.6, waits_s: float = 0.0) -> Decision:
+        """Publish a decision at which it begins to ask for help."""
+        self.help = Help(
+            decision=f"{self.episode}-{self.index}",
+            step=self.step,
+            time_ns=time.time_ns(),
+            reason=Reason.ENTROPY,
+            doubt=doubt,
+            waits_s=waits_s,
+        )
+        self.state = RobotState.ASKING if waits_s else self.state
+        return self.decide()
 
     def repeat(self, decision: Decision) -> None:
         """Publish a decision (again)."""
@@ -113,6 +129,7 @@ class FakeRobot:
             ended_ns=time.time_ns(),
         )
         self.episode, self.step, self.index = f"{self.name}-e{number + 1}", 0, 0
+        self.help = None
         self.bus.put(robot_key(FLEET, self.name, "episode"), encode(episode))
         self.beat()
         return episode
@@ -134,6 +151,7 @@ class FakeRobot:
             chosen_by=self.chosen_by,
             version=Version(1, 0),
             supervised=self.supervised,
+            help=self.help,
         )
         self.bus.put(robot_key(FLEET, self.name, "heartbeat"), encode(heartbeat))
         for camera in CAMERAS:
@@ -177,6 +195,8 @@ class FakeRobot:
             self.command, self.chosen_by = COMMANDS[0], "1.0"
         over = f"episode {correction.episode} is over; the current one is {self.episode}"
         reason = over if stale else self.reason
+        if not reason and correction.kind.answers:
+            self.help, self.state = None, RobotState.ACTING
         return Receipt(
             correction=correction.id,
             robot=self.name,

@@ -73,4 +73,4 @@ def test_every_route_is_shown_with_an_example(standing_api: httpx.Client) -> Non
             good = route["responses"].get("201") or route["responses"]["200"]
             media = next(iter(good["content"].values()))
             assert "example" in media or path.endswith(("/healthz", "/readyz")), path
-    assert len(paths) == 11
+    assert len(paths) == 12

@@ -122,6 +122,30 @@ def test_words_keys_and_buttons_all_reach_the_robot(
     assert robot.heard[1].goal.text == COMMANDS[1]
 
 
+def test_robots_in_doubt_are_marked_and_a_key_goes_from_one_to_the_next(
+    browser: Browser, api: httpx.Client, robot: FakeRobot, router: MemoryRouter
+) -> None:
+    robot.decide()
+    with MemoryBus(router) as bus:
+        others = [FakeRobot(bus, name) for name in ("robot-2", "robot-3")]
+        with opened(browser, api) as page:
+            expect(page.locator("article.robot")).to_have_count(3)
+            expect(page.locator(".in-doubt")).to_have_count(0)
+            others[0].ask(doubt=0.5)
+            others[1].ask(doubt=0.4, waits_s=60)
+            expect(page.get_by_role("button", name="2 in doubt")).to_be_visible()
+            expect(page.locator("[data-robot=robot-2] .doubt")).to_have_text("in doubt 50 %")
+            expect(page.locator("[data-robot=robot-3] .doubt")).to_contain_text("waits")
+            focused = page.locator("article.focused h2")
+            for name in ("robot-3", "robot-2", "robot-3"):
+                page.keyboard.press("n")
+                expect(focused).to_have_text(name)
+            page.keyboard.press("y")
+            expect(page.get_by_role("button", name="1 in doubt")).to_be_visible()
+        for other in others:
+            other.close()
+
+
 def test_a_refusal_and_a_lost_connection_are_told(
     browser: Browser, router: MemoryRouter, tmp_path: Path
 ) -> None:
@@ -146,7 +170,7 @@ def test_a_refusal_and_a_lost_connection_are_told(
 
 def test_the_routes_can_be_read_with_their_examples(browser: Browser, api: httpx.Client) -> None:
     with opened(browser, api, path="docs") as page:
-        expect(page.locator(".route")).to_have_count(11)
+        expect(page.locator(".route")).to_have_count(12)
         said = page.locator(".route", has_text="/api/v1/robots/{robot}/corrections")
         said.locator("summary").click()
         expect(said.locator("pre").first).to_contain_text('"text": "pick up the cheese"')

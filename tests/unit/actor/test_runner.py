@@ -1,111 +1,21 @@
-"""One robot of an actor over a bus in memory: real outbox, real inbox, counted steps."""
+"""One robot of an actor, episode after episode, and what people say to it."""
 
-import threading
 import time
 
 import numpy as np
 import pytest
 
-from services.actor.act import Logbook, Runner
-from services.actor.config import ActorSettings, FrameSettings
-from services.actor.obey import Inbox
-from services.actor.observe import Observer
-from services.actor.record import Recorder
-from shared.clock import SystemClock
 from shared.messages.correction import Kind
 from shared.messages.decision import Decision
 from shared.messages.episode import Episode, Outcome
 from shared.messages.frame import Frame
-from shared.messages.heartbeat import RobotHeartbeat, RobotState
+from shared.messages.heartbeat import RobotState
 from shared.messages.policy import Version
-from shared.messages.receipt import Receipt
-from shared.rollout.thinking import Lockstep
 from shared.seeds import purpose
-from shared.wire.codec import decode, encode
-from shared.wire.delivery import Courier
+from shared.wire.codec import decode
 from shared.wire.keys import any_robot, robot_key
-from shared.wire.memory import MemoryBus, MemoryRouter
-from shared.wire.outbox import Outbox
-from tests.unit.rollout.fakes import CountingRobot, EchoingLowLevel, SayingHighLevel, said
-
-DEADLINE_S = 10.0
-
-
-class Newest:
-    """What a runner knows of `Refresh`."""
-
-    def __init__(self):
-        self.newest = SayingHighLevel("left")
-
-
-class Bench:
-    """A runner, and somebody who listens on the bus."""
-
-    def __init__(self, folder, **settings):
-        rollout = {"max_steps": 30, **settings.pop("rollout", {})}
-        base = {"pace": "lockstep", "rollout": rollout, "data": folder}
-        self.settings = ActorSettings.model_validate({**base, **settings})
-        self.folder, self.clock = folder, SystemClock()
-        router = MemoryRouter()
-        self.bus, self.people = MemoryBus(router), MemoryBus(router)
-        self.outbox = Outbox(folder / "outbox.sqlite")
-        self.courier = Courier(self.bus, self.outbox, self.clock)
-        self.recorder = Recorder(self.bus, self.outbox, self.courier, "lab")
-        self.refresh, self.robot = Newest(), CountingRobot()
-        self.heard = {"decision": [], "episode": [], "heartbeat": []}
-        for name, kind in (
-            ("decision", Decision),
-            ("episode", Episode),
-            ("heartbeat", RobotHeartbeat),
-        ):
-            self.people.subscribe(any_robot("lab", name), self.listen(name, kind))
-        self.runner = self.make_runner()
-
-    def listen(self, name, kind):
-        return lambda _, payload: self.heard[name].append(decode(kind, payload))
-
-    def make_runner(self):
-        return Runner(
-            "robot-1",
-            0,
-            settings=self.settings,
-            robot=self.robot,
-            low_level=EchoingLowLevel(),
-            source=self.refresh,
-            thinking=Lockstep(),
-            recorder=self.recorder,
-            observer=Observer(self.bus, "lab", "robot-1", self.clock, FrameSettings(rate_hz=60)),
-            inbox=Inbox(self.bus, "lab", "robot-1", threading.Event()),
-            logbook=Logbook(self.folder / "robot-1.json"),
-            clock=self.clock,
-        )
-
-    def tick_until(self, ready):
-        deadline = time.monotonic() + DEADLINE_S
-        while not ready():
-            assert time.monotonic() < deadline, f"not in time: {self.heard}"
-            if not self.runner.tick():
-                time.sleep(0.001)
-
-    def say(self, correction):
-        """Ask the robot as the API does; the loop goes on turning meanwhile."""
-        answers = []
-        key = robot_key("lab", "robot-1", "correction")
-        asking = threading.Thread(
-            target=lambda: answers.append(self.people.ask(key, encode(correction), timeout_s=5))
-        )
-        asking.start()
-        self.tick_until(lambda: answers)
-        asking.join()
-        return decode(Receipt, answers[0])
-
-    def close(self):
-        self.runner.close()
-        self.recorder.close(farewell_s=0)
-        self.courier.close()
-        self.outbox.close()
-        self.people.close()
-        self.bus.close()
+from tests.unit.actor.bench import DEADLINE_S, Bench
+from tests.unit.rollout.fakes import SayingHighLevel, ScoringHighLevel, said
 
 
 @pytest.fixture
@@ -233,6 +143,24 @@ def test_a_waiting_decision_is_shown_again_and_a_verdict_frees_the_robot(bench):
 def test_without_a_verdict_the_robot_goes_on_after_the_time_that_was_set(bench):
     bench = bench(rollout={"supervised": True}, verdict_timeout_s=0.05)
     bench.tick_until(lambda: bench.robot.actions)
+
+
+def test_a_robot_in_doubt_stands_still_tells_it_at_once_and_obeys_who_answers(bench):
+    bench = bench(rollout={"max_steps": 100_000}, help={"threshold": 0.4, "wait_s": 3600})
+    bench.refresh.newest = ScoringHighLevel(0.5)
+    bench.tick_until(lambda: len(bench.heard["heartbeat"]) >= 2)
+    asking = bench.heard["heartbeat"][1]  # Sooner than it were due: the first one began it all.
+    assert asking.state is RobotState.ASKING
+    bench.tick_until(lambda: len(bench.heard["decision"]) >= 2)  # It is shown again meanwhile.
+    assert bench.robot.actions == []
+    decision, call = bench.heard["decision"][0], asking.help
+    assert call.decision == decision.help.decision == decision.id
+    assert 0 < call.waits_s <= 3600
+    bench.say(said(Kind.OVERRIDE, "sideways", episode=current(bench), decision=decision.id))
+    bench.tick_until(lambda: len(bench.robot.actions) > 30)
+    assert {int(action[0]) for action in bench.robot.actions} == {len("sideways")}
+    bench.tick_until(lambda: bench.heard["heartbeat"][-1].state is RobotState.ACTING)
+    assert bench.heard["heartbeat"][-1].help is None
 
 
 def test_an_episode_that_is_broken_off_is_told_as_aborted(bench):

@@ -9,6 +9,7 @@ from services.correction_api.views import (
     CorrectionPage,
     CorrectionView,
     EpisodePage,
+    HelpQueue,
     LearnerView,
     RobotView,
 )
@@ -19,6 +20,7 @@ CASES = [
     (CorrectionView, examples.PENDING),
     (CorrectionPage, examples.CORRECTIONS),
     (EpisodePage, examples.EPISODES),
+    (HelpQueue, examples.HELP),
     (LearnerView, examples.LEARNER),
     *((Utterance, example) for example in EXAMPLES),
 ]

@@ -9,7 +9,7 @@ import pytest
 from services.oracle.attend import Attention
 from services.oracle.client import GoneError, OverError
 from services.oracle.config import OracleSettings
-from services.oracle.seen import Seen
+from services.oracle.seen import Call, Seen
 from shared.errors import RefusedError
 from tests.unit.oracle.scenes import scene, seen
 
@@ -24,6 +24,7 @@ class FakeClient:
         self.said: list[dict[str, Any]] = []
         self.answers: list[Exception | str] = []
         self.statuses: list[str] = []
+        self.asking = True
 
     async def decision(
         self, robot: str, after: str | None, wait_s: float | None = None
@@ -35,6 +36,10 @@ class FakeClient:
         if isinstance(told, Exception):
             raise told
         return told
+
+    async def asks(self, robot: str) -> bool:
+        del robot
+        return self.asking
 
     async def say(self, robot: str, body: dict[str, Any]) -> str:
         del robot
@@ -140,3 +145,50 @@ def test_a_robot_that_is_gone_is_waited_for() -> None:
     client = FakeClient(GoneError("no robot"), seen(scene(), BREAD))
     attend(client)
     assert kinds(client) == ["approve"]
+
+
+ASKS, WAITS = Call(waits_s=0), Call(waits_s=10)
+
+
+def test_who_comes_only_when_asked_leaves_the_others_alone() -> None:
+    wrong = seen(scene(), CHEESE, awaits_verdict=False)
+    in_doubt = wrong.model_copy(update={"id": "ep-1-1", "help": ASKS})
+    client = FakeClient(wrong, in_doubt, None)
+    counts = attend(client, only_when_asked=True)
+    assert [said["decision"] for said in client.said] == ["ep-1-1"]
+    assert counts["unasked"] == 1
+
+
+def test_a_robot_whose_call_is_beyond_the_fleets_budget_has_not_asked() -> None:
+    client = FakeClient(seen(scene(), CHEESE, awaits_verdict=False, help=ASKS))
+    client.asking = False
+    attend(client, only_when_asked=True)
+    assert client.said == []
+
+
+def test_who_comes_only_when_asked_passes_what_waits_for_a_verdict_unasked() -> None:
+    wrong = seen(scene(), CHEESE, name="ep-1-0")
+    client = FakeClient(wrong, wrong.model_copy(update={"id": "ep-1-1", "help": ASKS}))
+    attend(client, only_when_asked=True)
+    assert kinds(client) == ["pass", "override"]
+
+
+def test_who_was_asked_stays_until_the_word_can_be_given_back() -> None:
+    held = seen(scene(), CHEESE, top=BREAD, chosen_by="cor-1", awaits_verdict=False)
+    client = FakeClient(held, None)
+    attend(client, only_when_asked=True)
+    assert kinds(client) == ["release"]
+
+
+def test_a_robot_that_stands_still_in_doubt_is_told_that_it_is_right() -> None:
+    right = seen(scene(), BREAD, awaits_verdict=False, help=WAITS)
+    client, hasty = FakeClient(right, right), FakeClient(right, right)
+    attend(client)
+    attend(hasty, approve=False)
+    assert (kinds(client), kinds(hasty)) == (["approve"], ["pass"])
+
+
+def test_who_does_not_look_lets_it_wait_in_vain() -> None:
+    client = FakeClient(seen(scene(), CHEESE, awaits_verdict=False, help=WAITS), None)
+    assert attend(client, miss_rate=1.0)["missed"] == 1
+    assert client.said == []
