@@ -24,6 +24,16 @@ def main(
     stop = Stop().on_signals()
     sys.setswitchinterval(0.0005)  # Else a busy loop delays a correction by 5 ms.
 
+    if settings.mode == "evaluation":
+        from services.actor import trials  # Late, as below.
+
+        try:
+            trials.run(settings, stop)
+        except HldError as error:
+            exit_misconfigured("actor", error)
+        log.info("ended")
+        return
+
     from services.actor.build import Actor  # Late: torch and MuJoCo take seconds to import.
     from services.actor.loop import run
 

@@ -61,6 +61,8 @@ class HelpSettings(Settings):
 class ActorSettings(Settings):
     """One process with one or many robots.
 
+    mode: robots; or evaluation, in which it has none and rolls out what the learner's gate wants
+        compared, by the gate's settings.
     robots: their ids on the wire. kind: the entry point of group `hl_dagger.robots` that makes
         them. first_index: number of the first robot in the fleet, from which its seeds follow.
     tasks: taken in turn. site: the settings file of the cell. skills: how many each prompt that a
@@ -75,6 +77,7 @@ class ActorSettings(Settings):
     """
 
     id: Id = "actor-1"
+    mode: Literal["robots", "evaluation"] = "robots"
     robots: Annotated[tuple[Id, ...], Field(min_length=1)] = ("robot-1",)
     kind: str = "workcell"
     first_index: Annotated[int, Field(ge=0, le=999)] = 0

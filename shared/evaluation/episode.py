@@ -67,12 +67,12 @@ def levels_of(plan: Plan, station: Station) -> Levels:
 
 
 class Evaluator:
-    """One process's policies and cell, ready for one case of a plan after another."""
+    """One process's policies and cell, ready for one case of `plan` after another."""
 
     def __init__(self, plan: Plan, levels: Callable[[Plan, Station], Levels] = levels_of) -> None:
         """levels: where policies of another kind come from."""
         torch.set_num_threads(1)  # The processes share the cores.
-        self._plan = plan
+        self.plan = plan
         self._station = Station(plan.site, plan.skills)
         self._high_level, self._low_level, self._worded = levels(plan, self._station)
 
@@ -84,9 +84,9 @@ class Evaluator:
             self._station,
             self._high_level,
             self._low_level,
-            Lockstep(self._plan.rollout.latency_steps),
+            Lockstep(self.plan.rollout.latency_steps),
             SystemClock(),
-            self._plan.rollout,
+            self.plan.rollout,
             name="evaluation",
             episode=f"seed-{case.seed}",
             scene=scene,

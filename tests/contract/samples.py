@@ -39,7 +39,6 @@ NUMBERS: dict[type[Message], int] = {
     Ruling: 1,
     TrialOrder: 1,
     TrialReport: 1,
-    TrialResult: 1,
 }
 
 UNFIT: dict[type[Message], set[str]] = {Ruling: {"round", "version"}}
@@ -67,7 +66,7 @@ def samples() -> dict[type[Message], Message]:
     """The message of each class."""
     made: tuple[Message, ...] = (
         correction(), decision(), episode(), frame(), learner(), observation(), policy(),
-        receipt(), robot(), ruling(), order(), report(), result(),
+        receipt(), robot(), ruling(), order(), report(),
     )  # fmt: skip
     return {type(message): message for message in made}
 

@@ -12,7 +12,13 @@ from shared.wire.codec import decode, encode
 from tests.contract.samples import GOLDEN, NUMBERS, UNFIT, golden_file, samples
 
 FILES = sorted(GOLDEN.iterdir())
-PARTS = {"Proposal", "LanguageGoal", "TensorRef", "Help"}  # They travel within others only.
+PARTS = {
+    "Proposal",
+    "LanguageGoal",
+    "TensorRef",
+    "Help",
+    "TrialResult",
+}  # They travel within others only.
 
 
 def message_classes():
