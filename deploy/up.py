@@ -40,6 +40,7 @@ class Plan(NamedTuple):
     rounds: int
     episodes: int
     evaluate: int
+    gate: int
     report: Path | None
     site: str
     tasks: tuple[str, ...]
@@ -126,6 +127,7 @@ def start(plan: Plan, family: Family) -> None:
         "learner",
         "services.learner",
         *sets(data=str(data / "learner"), seed=plan.seed, **learner_rounds(plan), **bus),
+        *learner_gate(plan),
         *plan.sets_for("learner"),
     )
     family.add(
@@ -136,6 +138,8 @@ def start(plan: Plan, family: Family) -> None:
     )
     for index in range(plan.robots):
         family.add(f"actor-{index + 1}", "services.actor", *actor_sets(plan, index), *sets(**bus))
+    if plan.gate:
+        family.add("evaluator", "services.actor", *evaluator_sets(plan), *sets(**bus))
     if plan.oracle:
         family.add(
             "oracle",
@@ -151,6 +155,26 @@ def learner_rounds(plan: Plan) -> dict[str, object]:
     if plan.episodes:
         rounds |= {"round__episodes": plan.episodes, "round__corrections": 0, "round__after_s": 0}
     return rounds
+
+
+def learner_gate(plan: Plan) -> list[str]:
+    """What a candidate is tried in: what the robots do, without people."""
+    if not plan.gate:
+        return []
+    trials = sets(
+        gate__trials__episodes=plan.gate,
+        gate__trials__site=plan.site,
+        gate__trials__tasks=list(plan.tasks),
+    )
+    rollout = [part for part in plan.sets_for("actor") if part.startswith("rollout.")]
+    return [*trials, *[word for part in rollout for word in ("--set", f"gate.trials.{part}")]]
+
+
+def evaluator_sets(plan: Plan) -> list[str]:
+    """The settings of the actor that tries candidates."""
+    mine = sets(id="evaluator", mode="evaluation", data=str(plan.data / "evaluator"))
+    low_level = [part for part in plan.sets_for("actor") if part.startswith("low_level=")]
+    return [*mine, *[word for part in low_level for word in ("--set", part)]]
 
 
 def actor_sets(plan: Plan, index: int) -> list[str]:
@@ -208,7 +232,9 @@ def watch(
                 for made in board.versions():
                     judging.want(made.name, str(made.folder))
             if plan.rounds and len(board.versions()) > plan.rounds:
-                family.retire("oracle", "actor")  # Nothing more is to be learned from them.
+                family.retire(
+                    "oracle", "actor", "evaluator"
+                )  # Nothing more is to be learned from them.
                 judging.processes = os.cpu_count() or 1
             report.write()
             if console.is_terminal:

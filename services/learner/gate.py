@@ -123,7 +123,7 @@ class Gate:
         if outcomes is None:
             return None
         self.stop()
-        reason, figures = compare(*outcomes, self._settings.trials.max_fall)
+        reason, figures = compare(*outcomes, self._settings.trials)
         return Verdict(not reason, reason, figures)
 
     def progress(self) -> float:

@@ -36,6 +36,8 @@ class TrialSettings(Settings):
 
     episodes: pairs; 0: none, as where there is no simulator.
     site, tasks, skills, rollout: as in an evaluation. max_fall: by which success may fall.
+    chance: a greater fall is borne as well where McNemar's p is above this: few pairs scatter, and
+        good candidates shall not be lost by chance. More episodes find smaller falls.
     patience_s: without any result for so long, a candidate is refused. again_s: an episode that
         was given out is given to another actor after this.
     """
@@ -46,6 +48,7 @@ class TrialSettings(Settings):
     skills: Annotated[int, Field(ge=1, le=64)] | None = None
     rollout: RolloutSettings = RolloutSettings()
     max_fall: Annotated[float, Field(ge=0, le=1)] = 0.05
+    chance: Annotated[float, Field(gt=0, le=1)] = 0.2
     patience_s: Annotated[float, Field(gt=0)] = 600.0
     again_s: Annotated[float, Field(gt=0)] = 300.0
 
@@ -198,21 +201,23 @@ class Trials:
         )
 
 
-def compare(mine: list[bool], its: list[bool], max_fall: float) -> tuple[str, dict[str, Any]]:
+def compare(
+    mine: list[bool], its: list[bool], settings: TrialSettings
+) -> tuple[str, dict[str, Any]]:
     """Why a candidate is worse than the version in force, "" if it isn't; and the figures."""
-    gap = paired_difference(mine, its)
+    gap, p = paired_difference(mine, its), mcnemar(mine, its)
     figures = {
         "candidate": rate(mine),
         "in_force": rate(its),
         "difference": round(gap.value, 4),
         "interval": [round(gap.low, 4), round(gap.high, 4)],
-        "p": round(mcnemar(mine, its), 4),
+        "p": round(p, 4),
     }
-    if gap.value >= -max_fall:
+    if gap.value >= -settings.max_fall or p > settings.chance:
         return "", figures
     return (
         f"it succeeds in {sum(mine)} of {len(mine)} scenes, the version in force in {sum(its)} of "
-        f"the same; {max_fall} less is allowed"
+        f"the same (p = {p:.3f}); {settings.max_fall} less is allowed"
     ), figures
 
 

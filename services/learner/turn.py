@@ -110,7 +110,7 @@ class Turn:
         try:
             self._parts.frozen.check()
             if self.round.made is not None:
-                self._step = self._watch
+                self._go_on_watching(self.round.made)
             elif self.round.candidate is not None:
                 self._judge(Candidate.model_validate(self.round.candidate))
             else:
@@ -193,6 +193,12 @@ class Turn:
             self._admit(first.model_copy(update={"robots": (), "epoch": self._epoch}))
         elif reason is not None:
             self._take_back(reason)
+
+    def _go_on_watching(self, number: int) -> None:
+        first = self._parts.store.version(number)
+        assert first is not None  # Kept together with the round's stage.
+        self._parts.publisher.publish(first, self._epoch, self.round)
+        self._step = self._watch
 
     def _admit(self, made: PolicyRecord) -> None:
         self._end(RoundState.PASSED, "", made)

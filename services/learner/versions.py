@@ -1,9 +1,13 @@
-"""`hld policy`: which versions a learner made, from what, and what became of its other rounds.
+"""`hld policy`: which versions a learner made, from what, what became of its other rounds; and what
+people decide about them.
 
-Opens the SQLite store beside a learner that may be running, and adds nothing to it.
+Opens the SQLite store beside a learner that may be running. What is decided is kept there, and done
+by the learner: it alone makes versions.
 """
 
 import json
+import sys
+import time
 from collections.abc import Sequence
 from contextlib import closing
 from datetime import UTC, datetime
@@ -11,18 +15,23 @@ from pathlib import Path
 from typing import Annotated, Any, Optional
 
 import typer
+from pydantic import ValidationError
 from rich import box
 from rich.console import Console
 from rich.table import Table
 
 from services.learner.build import STORE_FILE
 from services.learner.store.sql import SqlStore, sqlite_url
-from services.learner.store.store import PolicyRecord, Round, RoundState
+from services.learner.store.store import Answer, PolicyRecord, Round, RoundState, Store
 from shared.config import exit_misconfigured
 from shared.errors import ConfigError
+from shared.messages.message import new_id
+from shared.messages.ruling import Ruling, Verb
 from shared.service import run_app
 
-SCHEMA = 1
+SCHEMA = 2
+AUTHOR = "operator"
+ANSWER_S = 5.0  # Ten looks of a learner.
 Data = Annotated[Path, typer.Option(help="the run, of `hld up` or of a learner")]
 Report = Annotated[
     Optional[Path], typer.Option(dir_okay=False, help="write the same here, as JSON")
@@ -39,14 +48,22 @@ def _policy() -> None:
 def list_versions(data: Data = Path("runs/up"), report: Report = None) -> None:
     """All rounds: what each was made from, what the gate said, and the version that it made."""
     with closing(_store(data)) as store:
-        versions, rounds = store.versions(), store.rounds()
-    content = {"schema": SCHEMA, "versions": _told(versions, rounds), "rounds": _ended(rounds)}
+        versions, rounds, answers = store.versions(), store.rounds(), store.answers()
+    content = {
+        "schema": SCHEMA,
+        "versions": _told(versions, rounds),
+        "rounds": _ended(rounds),
+        "rulings": [answer.model_dump(mode="json") for answer in answers],
+    }
     _write(report, content)
     console = Console()
     console.print(_table(versions, rounds))
     for round_ in rounds:
         if round_.reason:
             console.print(f"round {round_.number}: {round_.reason}", markup=False)
+    for answer in answers:
+        if answer.ruling.verb in (Verb.PROMOTE, Verb.ROLLBACK):
+            console.print(_ruled(answer), markup=False)
 
 
 @app.command()
@@ -74,6 +91,9 @@ def detail(version: PolicyRecord, rounds: Sequence[Round]) -> dict[str, Any]:
         "epoch": version.epoch,
         "created": _when(version.created_ns),
         "round": made_by.model_dump(mode="json") if made_by else None,
+        "robots": list(version.robots),
+        "again": version.again,
+        "ruling": version.ruling,
         "low_level_sha256": version.low_level_sha256,
         "bank": list(version.bank),
         "settings": version.settings,
@@ -82,6 +102,60 @@ def detail(version: PolicyRecord, rounds: Sequence[Round]) -> dict[str, Any]:
             for ref in version.tensors
         ],
     }
+
+
+@app.command()
+def promote(
+    number: Annotated[int, typer.Argument(min=1, help="the round whose candidate was refused")],
+    reason: Annotated[str, typer.Option(help="why, for the record")],
+    data: Data = Path("runs/up"),
+    author: Annotated[str, typer.Option(help="who decides")] = AUTHOR,
+) -> None:
+    """Put what a round made in force, although the gate refused it."""
+    _decide(data, Verb.PROMOTE, author, reason, round=number)
+
+
+@app.command()
+def rollback(
+    number: Annotated[int, typer.Argument(min=0, help="the version whose weights are wanted")],
+    reason: Annotated[str, typer.Option(help="why, for the record")],
+    data: Data = Path("runs/up"),
+    author: Annotated[str, typer.Option(help="who decides")] = AUTHOR,
+) -> None:
+    """Put the weights of an earlier version in force again, under a new number."""
+    _decide(data, Verb.ROLLBACK, author, reason, version=number)
+
+
+def _decide(data: Path, verb: Verb, author: str, reason: str, **about: int) -> None:
+    """Keep a ruling, and tell what the learner made of it, if one is at work."""
+    now_ns = time.time_ns()
+    try:
+        ruling = Ruling(
+            id=new_id("rule"), verb=verb, author=author, reason=reason, created_ns=now_ns, **about
+        )
+    except ValidationError as error:
+        exit_misconfigured("policy", ConfigError(error.errors()[0]["msg"]))
+    with closing(_store(data)) as store:
+        store.add(ruling, now_ns)
+        answer = _answered(store, ruling.id)
+    if answer is None:
+        print("kept; no learner is at work on this store, the next one does it", flush=True)
+    elif answer.made is None:
+        print(f"policy: refused: {answer.reason}", file=sys.stderr)
+        raise typer.Exit(1)
+    else:
+        print(f"version {answer.made} is in force", flush=True)
+
+
+def _answered(store: Store, ruling: str) -> Answer | None:
+    """What a learner made of a ruling; None where none did in time."""
+    deadline = time.monotonic() + ANSWER_S
+    while time.monotonic() < deadline:
+        found = next(one for one in store.answers() if one.ruling.id == ruling)
+        if found.answered_ns is not None:
+            return found
+        time.sleep(0.1)
+    return None
 
 
 def _store(data: Path) -> SqlStore:
@@ -104,17 +178,36 @@ def _told(versions: Sequence[PolicyRecord], rounds: Sequence[Round]) -> list[dic
             "epoch": version.epoch,
             "created": _when(version.created_ns),
             "round": made_by.number if (made_by := _made_by(version, rounds)) else None,
-            "in_force": version is versions[-1],
+            "in_force": version.number == in_force(versions),
+            "robots": list(version.robots),
+            "again": version.again,
         }
         for version in versions
     ]
 
 
+def in_force(versions: Sequence[PolicyRecord]) -> int | None:
+    """The number of the newest version that all robots run."""
+    return next((one.number for one in reversed(versions) if not one.robots), None)
+
+
 def _ended(rounds: Sequence[Round]) -> list[dict[str, Any]]:
     return [
-        round_.model_dump(mode="json", exclude={"manifest": {"settings", "excluded"}})
+        round_.model_dump(mode="json", exclude={"candidate": True, "manifest": _LONG})
         for round_ in rounds
     ]
+
+
+def _ruled(answer: Answer) -> str:
+    ruling = answer.ruling
+    about = f"round {ruling.round}" if ruling.round is not None else f"version {ruling.version}"
+    outcome = f"refused: {answer.reason}" if answer.reason else f"made version {answer.made}"
+    if answer.answered_ns is None:
+        outcome = "not done yet"
+    return f"{ruling.author}, {ruling.verb} {about} ({ruling.reason}): {outcome}"
+
+
+_LONG = {"settings", "excluded"}
 
 
 def _table(versions: Sequence[PolicyRecord], rounds: Sequence[Round]) -> Table:
@@ -125,8 +218,9 @@ def _table(versions: Sequence[PolicyRecord], rounds: Sequence[Round]) -> Table:
     table.add_column("outcome")
     for version in versions:
         if _made_by(version, rounds) is None:
-            outcome = "in force" if version is versions[-1] else "replaced"
-            table.add_row(f"{version.epoch}.{version.number}", *[""] * 5, outcome)
+            origin = "" if version.again is None else f"{version.again} again, "
+            outcome = "in force" if version.number == in_force(versions) else "replaced"
+            table.add_row(f"{version.epoch}.{version.number}", *[""] * 5, f"{origin}{outcome}")
     for round_ in rounds:
         table.add_row(*_row(round_, versions))
     return table
@@ -136,7 +230,7 @@ def _row(round_: Round, versions: Sequence[PolicyRecord]) -> list[str]:
     figures = round_.figures
     outcome = str(round_.state)
     if round_.state is RoundState.PASSED:
-        outcome = "in force" if round_.made == versions[-1].number else "replaced"
+        outcome = "in force" if round_.made == in_force(versions) else "replaced"
     return [
         f"{round_.epoch}.{round_.made}" if round_.made is not None else "",
         str(round_.number),

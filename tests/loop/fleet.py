@@ -26,6 +26,7 @@ class Fleet:
             "rounds": 0,
             "episodes": 0,
             "evaluate": 0,
+            "gate": 0,
             "report": None,
             "site": "far",
             "tasks": ("sandwich", "pack"),

@@ -15,7 +15,7 @@ from deploy.ports import free_port
 from shared.policies.checkpoint import bundled
 from shared.policies.low_level import LowLevel
 
-EPISODES, EVALUATE = 40, 40
+EPISODES, EVALUATE, GATE = 40, 40, 8
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +26,7 @@ def run(tmp_path_factory):
         *(sys.executable, "-m", "deploy.hld", "up", "--oracle", "--rounds", "2"),
         *("--episodes", str(EPISODES), "--evaluate", str(EVALUATE), "--report", str(report)),
         *("--data", str(folder / "up"), "--seed", "7"),
-        *("--port", str(free_port()), "--router-port", str(free_port())),
+        *("--gate", str(GATE), "--port", str(free_port()), "--router-port", str(free_port())),
     ]
     environment = {**os.environ, "PYTHONWARNINGS": "default"}
     done = subprocess.run(command, capture_output=True, text=True, env=environment, timeout=1500)
@@ -51,6 +51,17 @@ def test_every_round_made_a_version_from_more_corrections_than_the_one_before(ru
     assert [row["episodes"] for row in versions] == [0, EPISODES, 2 * EPISODES]
     corrections = [row["corrections"] for row in versions]
     assert corrections[0] == 0 < corrections[1] < corrections[2]
+
+
+def test_every_version_was_tried_in_pairs_by_an_actor_before_it_went_out(run):
+    _, _, folder = run
+    found = folder / "policy.json"
+    data = ("--data", str(folder / "up"), "--report", str(found))
+    subprocess.run([sys.executable, "-m", "deploy.hld", "policy", "list", *data], check=True)
+    for round_ in json.loads(found.read_text())["rounds"]:
+        trials = round_["figures"]["trials"]
+        assert trials["candidate"]["n"] == trials["in_force"]["n"] == GATE
+        assert trials["difference"] >= -0.05 or trials["p"] > 0.2
 
 
 def test_the_low_level_did_not_change(run):

@@ -17,6 +17,7 @@ def settings(pace: str, *sets: str) -> ActorSettings:
         rounds=0,
         episodes=0,
         evaluate=0,
+        gate=0,
         report=None,
         site="far",
         tasks=("pack",),
