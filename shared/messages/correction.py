@@ -44,6 +44,14 @@ AMENDMENTS = frozenset({Kind.RETRACT, Kind.EDIT, Kind.RETIME})
 AFTERWARDS = AMENDMENTS | {Kind.RELABEL, Kind.FAULT}
 """Said about what has happened, so that an episode that is over is none too late for them."""
 
+TARGETS: dict[Kind, frozenset[Kind]] = {
+    Kind.RETRACT: frozenset(Kind) - {Kind.RETRACT, Kind.PASS, Kind.PAUSE, Kind.RESUME},
+    Kind.EDIT: frozenset({Kind.OVERRIDE, Kind.RELABEL}),
+    Kind.RETIME: frozenset({Kind.OVERRIDE, Kind.RELABEL, Kind.FAULT}),
+}
+"""What each amendment may be about. Of several edits or retimes of one correction the last counts,
+unless it was retracted in its turn; what was taken back is to be said again."""
+
 NEEDS: dict[Kind, frozenset[str]] = {
     Kind.OVERRIDE: frozenset({"goal"}),
     Kind.RETRACT: frozenset({"target"}),

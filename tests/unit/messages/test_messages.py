@@ -125,11 +125,6 @@ def test_what_is_said_about_a_correction_is_said_afterwards():
     assert changed(Correction).span == range(140, 240)
 
 
-def test_an_override_without_a_goal_is_none():
-    with pytest.raises(ValidationError, match="override needs goal"):
-        changed(Correction, goal=None)
-
-
 @pytest.mark.parametrize("fields", [{"hold_steps": 0}, {"delay_steps": -1}, {"begun_ns": -1}])
 def test_times_and_steps_are_never_negative(fields):
     with pytest.raises(ValidationError):
