@@ -15,12 +15,13 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from services.learner.aggregate import Label, canonical, derive, sha256_labels
+from services.learner.aggregate import Label, derive, sha256_labels
 from services.learner.balance import balance
 from services.learner.config import Recipe, TrainSettings
 from services.learner.gate import Candidate, Figures, keep_aside, split
 from services.learner.process import Job, Report
 from services.learner.publish import announcement
+from services.learner.spell import canonical
 from services.learner.store.sql import SqlStore
 from services.learner.store.store import PolicyRecord, Round, Store
 from services.learner.store.tensors import TensorFiles, unpack
