@@ -21,7 +21,7 @@ from services.learner.config import Recipe, TrainSettings
 from services.learner.gate import Candidate, Figures, keep_aside, split
 from services.learner.process import Job, Report
 from services.learner.publish import announcement
-from services.learner.spell import canonical
+from services.learner.spell import Spelling, canonical, spelling
 from services.learner.store.sql import SqlStore
 from services.learner.store.store import PolicyRecord, Round, Store
 from services.learner.store.tensors import TensorFiles, unpack
@@ -55,16 +55,18 @@ def fine_tune(
     began = time.monotonic()
     recipe = Recipe.model_validate(round_.manifest.settings)
     in_force = _record(store, round_.parent)
-    labels = derive(store.history(round_.manifest), recipe.labels, in_force.low_level_sha256)
+    history = store.history(round_.manifest)
+    spell = spelling(history.rulings)
+    labels = derive(history, recipe.labels, in_force.low_level_sha256)
     kept, held_out = split(labels, recipe.gate.held_out_share)
     replayed, aside = keep_aside(len(demonstrations), recipe.gate.retained)
     retained = demonstrations.take(aside)
     policy = open_version(in_force, files)
-    before, knew = agreement(policy, held_out, store), known(policy, retained)
+    before, knew = agreement(policy, held_out, store, spell), known(policy, retained)
     if recipe.train.start == "base":
         policy = open_version(_record(store, 0), files)
-    bank, spelling = grow(policy.bank, labels)
-    said = gather(balance(kept, recipe.balance), spelling, store) if kept else None
+    bank, spelt = grow(policy.bank, labels)
+    said = gather(balance(kept, recipe.balance), spelt, store) if kept else None
 
     def told(step: int, steps: int, loss: float) -> bool:
         del loss  # Unused.
@@ -82,7 +84,7 @@ def fine_tune(
         finite=all(np.isfinite(array).all() for array in policy.tensors().values()),
         seconds=round(time.monotonic() - began, 3),
         before=before,
-        after=agreement(policy, held_out, store),
+        after=agreement(policy, held_out, store, spell),
         retained=len(retained),
         retained_before=knew,
         retained_after=known(policy, retained),
@@ -149,13 +151,18 @@ def _shown(ids: Iterable[str], store: Store) -> dict[str, NDArray[np.uint8]]:
     return shown
 
 
-def agreement(policy: HighLevel, labels: Sequence[Label], store: Store) -> float | None:
-    """The share of labels that a policy proposes first; None where there are none."""
+def agreement(
+    policy: HighLevel, labels: Sequence[Label], store: Store, spell: Spelling
+) -> float | None:
+    """The share of labels that a policy proposes first; None where there are none.
+
+    spell: as the labels are spelt, so that another wording of the same is no miss.
+    """
     if not labels:
         return None
     seen = store.decisions(label.decision for label in labels)
     right = [
-        canonical(policy.propose(observation_of(decision), past_of(decision, store))[0].goal.text)
+        spell(policy.propose(observation_of(decision), past_of(decision, store))[0].goal.text)
         == label.text
         for label, decision in zip(labels, seen, strict=True)
     ]
