@@ -24,6 +24,7 @@ _SERVICES = {
     "evaluate": ("services.actor.judge", "Success on seeds that no correction came from."),
     "experiment": ("services.learner.experiments", "What the hierarchy can do, and what it costs."),
     "policy": ("services.learner.versions", "Versions of the high level that a learner keeps."),
+    "review": ("services.learner.questions", "What people contradict each other about, settled."),
     "say": ("services.actor.say", "One phrase to the low level in one scene."),
 }
 _PASS = {"allow_extra_args": True, "ignore_unknown_options": True, "help_option_names": []}

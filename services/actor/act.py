@@ -9,12 +9,13 @@ from services.actor.obey import Inbox
 from services.actor.observe import Observer
 from services.actor.record import Recorder
 from shared.clock import Clock
-from shared.messages.correction import Correction
+from shared.messages.correction import AFTERWARDS, Correction
 from shared.messages.decision import Decision
 from shared.messages.episode import Episode, Outcome
 from shared.messages.heartbeat import RobotHeartbeat, RobotState
 from shared.messages.message import new_id
 from shared.messages.receipt import Receipt
+from shared.rollout.answering import answer
 from shared.rollout.robot import LowLevel, PolicySource, Robot
 from shared.rollout.rollout import Rollout
 from shared.rollout.thinking import Thinking
@@ -182,14 +183,11 @@ class Runner:
             self._asker.hear(self._rollout, correction, receipt)
             self._logbook.note(self._draft(self._rollout))
             return receipt
-        return Receipt(
-            correction=correction.id,
-            robot=self.name,
-            episode=correction.episode,
-            accepted=False,
-            reason=f"episode {correction.episode} is over and the next one has not begun",
-            time_ns=self._clock.now_ns(),
-        )
+        now_ns = self._clock.now_ns()
+        if correction.kind in AFTERWARDS:  # Never too late, and nothing to do here.
+            return answer(correction, self.name, 0, now_ns)
+        why = f"episode {correction.episode} is over and the next one has not begun"
+        return answer(correction, self.name, None, now_ns, why=why)
 
     def _mind_waiting(self, rollout: Rollout) -> None:
         """While a decision awaits a word: show it again, and in the end go on without."""

@@ -2,12 +2,14 @@
 
 Said, checked, committed to disk (with its parcel to the learner), acknowledged; then the
 messenger asks the robot, and the receipt closes it. Nothing is acknowledged before the commit.
+What is said about an episode that is over is closed by the commit.
 """
 
 import asyncio
 from collections.abc import Callable
 
 from services.correction_api.deliver import Messenger
+from services.correction_api.hindsight import Hindsight, Place
 from services.correction_api.metrics import Metrics
 from services.correction_api.problems import Problem, shorten, unavailable
 from services.correction_api.store.episodes import Episodes
@@ -18,7 +20,7 @@ from services.correction_api.views import Presence
 from services.correction_api.watch import Sight, Watch
 from shared.clock import Clock
 from shared.errors import nearest
-from shared.messages.correction import Correction
+from shared.messages.correction import AFTERWARDS, Correction
 from shared.messages.message import new_id
 
 MAX_ID = 64
@@ -39,6 +41,7 @@ class Desk:
     ) -> None:
         self._watch, self._log, self._clock = watch, kept, clock
         self._topics = Topics(watch, episodes)
+        self._hindsight = Hindsight(watch, episodes, kept, self.find)
         self._metrics, self._answer_s = metrics, answer_s
         self._settled_ns = clock.monotonic_ns() + int(settle_s * 1e9)
         self._waiting: dict[str, asyncio.Future[Entry]] = {}
@@ -68,13 +71,13 @@ class Desk:
         digest = said.digest(robot)
         if name and (entry := await asyncio.to_thread(self._log.find, name)):
             return await self._outcome(_same(entry, digest), self._answer_s)
-        sight = self.find(robot)
-        episode, seen_step = await self._topics.find(robot, said, sight)
+        place = await self._locate(robot, said)
         now_ns = self._clock.now_ns()
-        correction = said.formulate(name or new_id("say"), robot, episode, seen_step, now_ns)
-        entry = await self._keep(correction, digest)
-        offline = self._watch.presence(sight.heard_ns)[0] is Presence.OFFLINE
-        return await self._outcome(_same(entry, digest), 0 if offline else self._answer_s)
+        correction = said.formulate(
+            name or new_id("say"), robot, place.episode, place.seen_step, now_ns
+        )
+        entry = await self._keep(correction, digest, Status.KEPT if place.over else Status.PENDING)
+        return await self._outcome(_same(entry, digest), self._patience_s(robot))
 
     def find(self, robot: str) -> Sight:
         """What is known of a robot now.
@@ -107,12 +110,24 @@ class Desk:
             waiting.set_result(entry)
         self._spoken(entry)
 
-    async def _keep(self, correction: Correction, digest: str) -> Entry:
-        """Commit, then send; another one with the same id that came first is left as it is."""
+    async def _locate(self, robot: str, said: Utterance) -> Place:
+        if said.kind in AFTERWARDS:
+            return await self._hindsight.find(robot, said)
+        return Place(*await self._topics.find(robot, said, self.find(robot)), over=False)
+
+    def _patience_s(self, robot: str) -> float:
+        """How long to wait for a receipt: not at all for one from a robot that is away."""
+        if robot not in self._watch.names():
+            return 0.0
+        presence, _ = self._watch.presence(self._watch.look(robot).heard_ns)
+        return 0.0 if presence is Presence.OFFLINE else self._answer_s
+
+    async def _keep(self, correction: Correction, digest: str, status: Status) -> Entry:
+        """Commit, then send what a robot has to hear; the first one of an id stays."""
         name = correction.id
         self._waiting.setdefault(name, asyncio.get_running_loop().create_future())
         try:
-            entry = await asyncio.wrap_future(self._log.append(correction, digest))
+            entry = await asyncio.wrap_future(self._log.append(correction, digest, status))
         except BaseException:
             self._waiting.pop(name, None)
             raise
@@ -122,7 +137,10 @@ class Desk:
             assert self._messenger is not None  # `start` is called before anybody is let in.
             self._metrics.corrections.labels(correction.kind).inc()
             self._spoken(entry)
-            self._messenger.send([entry])
+            if entry.status is Status.PENDING:
+                self._messenger.send([entry])
+            else:
+                self._metrics.closed.labels(entry.status).inc()
         return entry
 
     async def _outcome(self, entry: Entry, timeout_s: float) -> Entry:

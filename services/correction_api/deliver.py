@@ -88,7 +88,7 @@ class Messenger:
         try:
             if age_ns > self._settings.expire_s * 1e9:
                 reason = f"the robot gave no receipt within {self._settings.expire_s:g} s"
-                future = self._log.expire(entry.correction.id, reason)
+                future = self._log.expire(entry.correction, reason)
             else:
                 future = self._log.answer(await self._ask(entry))
             closed = await asyncio.wrap_future(future)

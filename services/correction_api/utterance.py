@@ -6,7 +6,7 @@ from typing import Annotated, Self
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, JsonValue, model_validator
 
-from shared.messages.correction import Correction, Kind
+from shared.messages.correction import BOUND, Correction, Kind, check_fields, check_span
 from shared.messages.goal import LanguageGoal
 from shared.messages.message import MAX_TEXT, Id
 
@@ -40,11 +40,36 @@ Words = Annotated[str, AfterValidator(check_words)]
 Count = Annotated[int, Field(strict=True, ge=0, le=MAX_STEP)]
 Nanoseconds = Annotated[int, Field(strict=True, ge=0, le=MAX_NS)]
 
+_CALLED = {"goal": "text"}  # Here a goal is said in words.
+
 EXAMPLES: list[JsonValue] = [
     {"kind": "override", "text": "pick up the cheese", "author": "anna"},
     {"kind": "override", "text": "wait", "hold_steps": 100, "author": "anna"},
     {"kind": "release", "author": "anna"},
     {"kind": "approve", "decision": "ep-5f1c-3", "author": "anna"},
+    {"kind": "retract", "target": "say-0a1b2c3d4e5f6071", "author": "anna"},
+    {
+        "kind": "edit",
+        "target": "say-0a1b2c3d4e5f6071",
+        "text": "pick up the ham",
+        "author": "anna",
+    },
+    {
+        "kind": "retime",
+        "target": "say-0a1b2c3d4e5f6071",
+        "first_step": 52,
+        "end_step": 180,
+        "author": "anna",
+    },
+    {
+        "kind": "relabel",
+        "episode": "ep-5f1c",
+        "text": "pick up the cheese",
+        "first_step": 40,
+        "end_step": 120,
+        "author": "anna",
+    },
+    {"kind": "fault", "decision": "ep-5f1c-3", "note": "it slipped", "author": "anna"},
 ]
 
 
@@ -52,11 +77,17 @@ class Utterance(BaseModel):
     """What somebody says about a robot. Only `kind` is always needed.
 
     kind: override (obey `text` instead), release (lift the override), approve (the command of
-        `decision` was right), pass (seen, nothing to say), pause, resume.
+        `decision` was right), pass (seen, nothing to say), pause, resume. About the past, also of
+        an episode that is over: retract, edit and retime the correction `target`; relabel (from
+        `first_step` up to `end_step` `text` would have been right); fault (the command was right,
+        the hand slipped).
     text: the command in words of your own; up to 200 characters in one line.
+    target: the id of the correction that you take back, reword or move.
+    first_step, end_step: the control steps from the first up to, without, the second.
     hold_steps: control steps (50 a second) until an override expires; null holds until released.
     decision: the decision that you looked at; approve and pass need it.
-    episode: the episode that it is about; that of the decision, or else the current one.
+    episode: the episode that it is about; that of the decision or target, or else the current one.
+        A relabel needs it, and so does a fault without a decision.
     seen_step: the control step that you saw; that of the decision if it is not given.
     begun_ns: when you began to speak, in ns since 1970; now if it is not given.
     delay_steps: in supervised lockstep, the steps until it takes effect.
@@ -72,6 +103,9 @@ class Utterance(BaseModel):
     text: Words | None = None
     hold_steps: Annotated[int, Field(strict=True, ge=1, le=100_000)] | None = None
     decision: Id | None = None
+    target: Id | None = None
+    first_step: Count | None = None
+    end_step: Count | None = None
     episode: Id | None = None
     seen_step: Count | None = None
     begun_ns: Nanoseconds | None = None
@@ -82,13 +116,15 @@ class Utterance(BaseModel):
 
     @model_validator(mode="after")
     def _check_kind(self) -> Self:
-        override = self.kind is Kind.OVERRIDE
-        if override and self.text is None:
+        if self.kind is Kind.OVERRIDE and self.text is None:
             raise ValueError("an override needs text: the command, such as 'pick up the cheese'")
-        if not override and (self.text is not None or self.hold_steps is not None):
-            raise ValueError(f"only an override has text and hold_steps, {self.kind} has neither")
+        given = {name for name in BOUND if getattr(self, _CALLED.get(name, name)) is not None}
+        check_fields(self.kind, given, _CALLED)
+        check_span(self.kind, self.first_step, self.end_step, self.decision)
         if self.kind in (Kind.APPROVE, Kind.PASS) and self.decision is None:
             raise ValueError(f"{self.kind} needs decision: the id of the decision that you saw")
+        if self.first_step is not None and not (self.target or self.decision or self.episode):
+            raise ValueError(f"{self.kind} needs episode: which one the steps are of")
         return self
 
     def digest(self, robot: str) -> str:
@@ -108,6 +144,9 @@ class Utterance(BaseModel):
             author=self.author,
             goal=LanguageGoal(text=self.text) if self.text else None,
             decision=self.decision,
+            target=self.target,
+            first_step=self.first_step,
+            end_step=self.end_step,
             seen_step=self.seen_step if self.seen_step is not None else seen_step,
             hold_steps=self.hold_steps,
             delay_steps=self.delay_steps,

@@ -121,7 +121,8 @@ class Phrase(View):
 class CorrectionView(View):
     """A correction, what became of it, and where it stands in the log.
 
-    status: `expired` means that no robot answered in time. reason: why it is not in force.
+    status: `expired` means that no robot answered in time, `kept` that none had to, since it is
+        about the past. reason: why it is not in force.
     """
 
     correction: Correction

@@ -135,14 +135,20 @@ class Watch:
         self._changed("episode", episode.robot)
 
     def obeyed(self, correction: Correction, receipt: Receipt) -> None:
-        """An override took force: sooner known than by the next heartbeat."""
-        if not (receipt.accepted and correction.kind is Kind.OVERRIDE and correction.goal):
+        """An override took force, or other words: sooner known than by the next heartbeat."""
+        if not (receipt.accepted and correction.goal):
+            return
+        if correction.kind is Kind.OVERRIDE:
+            chosen_by = correction.id
+        elif correction.kind is Kind.EDIT and receipt.replaced == correction.target:
+            chosen_by = receipt.replaced or ""
+        else:
             return
         with self._lock:
             robot = self._robots.get(correction.robot)
             if robot is None or robot.heartbeat.episode != correction.episode:
                 return
-            robot.choose(Force(correction.goal.text, correction.id, receipt.time_ns))
+            robot.choose(Force(correction.goal.text, chosen_by, receipt.time_ns))
         self._changed("robot", correction.robot)
 
     def learner(self, heartbeat: LearnerHeartbeat) -> None:

@@ -7,47 +7,63 @@ Source: Ross et al. 2011 (DAgger, arXiv 1011.0686) for aggregation; Kelly et al.
 arXiv 1810.02890): steps that nobody judged are no expert labels; Shi et al. 2024 (arXiv
 2403.12910) for language. Unlike the last, the stretch before an override is masked, and the
 decision at which it was given is a target.
+
+Part by part: `amend.py` what stands, `hear.py` what was obeyed when, `account.py` both by episode,
+`dispute.py` who contradicts whom, `spell.py` in which words.
 """
 
 import hashlib
-from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator
 from enum import StrEnum
 from typing import Annotated, Literal, NamedTuple
 
 from pydantic import Field
 
+from services.learner.account import Account, accounts
+from services.learner.amend import Standing
+from services.learner.dispute import Opinion, Opinions, later, text_of
+from services.learner.hear import Course, befores, holds, verdicts
+from services.learner.spell import Spelling, spelling
 from services.learner.store.store import DecisionHead, History
 from shared.config import Settings
 from shared.messages.correction import Correction, Kind
-from shared.messages.receipt import Receipt
 
 
 class LabelSettings(Settings):
     """How words become labels.
 
-    before_steps: control steps before what a person objected to, in which nothing is a target
-        that nobody judged: it may already have been wrong.
+    before_steps: a person's reaction time: control steps before what they saw, or before they
+        began to speak, in which nothing is a target that nobody judged: it may already have been
+        wrong.
     before: what becomes of those decisions, up to the step at which the override took effect.
         mask: no label; relabel: the override's goal, with `before_weight`.
-    anticipate_steps: a decision is labelled with what was in force so many steps later, since a
-        π_HL that takes so long to answer must say it so much sooner.
+    control_hz: control steps a second of robots in real time, to tell what was current when a
+        person began to speak.
+    anticipate_steps: a decision is labelled with what was in force, or should have been, so many
+        steps later, since a π_HL that takes so long to answer must say it so much sooner.
     approval_weight: of a decision that was approved; an override has weight 1.
+    disputed: of decisions of which two people say different things. mask: no label until one of
+        the words is taken back or edited, or both are ruled to mean the same; later: as if one
+        person had said both.
     """
 
     before_steps: Annotated[int, Field(ge=0, le=10_000)] = 25
     before: Literal["mask", "relabel"] = "mask"
     before_weight: Annotated[float, Field(gt=0, le=10)] = 0.5
+    control_hz: Annotated[float, Field(gt=0, le=1000)] = 50.0
     anticipate_steps: Annotated[int, Field(ge=0, le=1_000)] = 0
     approval_weight: Annotated[float, Field(ge=0, le=10)] = 1.0
+    disputed: Literal["mask", "later"] = "mask"
 
 
 class Ground(StrEnum):
     """Why a decision has its label.
 
-    objected: an override was given for this very decision. held: an override was in force.
+    objected: an override was given for this very decision. held: an override was in force, or
+        was said afterwards to have been the right one then.
     before: an override was on its way; see `LabelSettings.before`.
     approved: a person said it was right. released: a person let the high level have its way.
+    relabelled: a person said afterwards what would have been right.
     """
 
     OBJECTED = "objected"
@@ -55,12 +71,13 @@ class Ground(StrEnum):
     BEFORE = "before"
     APPROVED = "approved"
     RELEASED = "released"
+    RELABELLED = "relabelled"
 
 
 class Label(NamedTuple):
     """What a decision should have been.
 
-    text: the command, in the spelling of `canonical`. weight: in the loss, > 0.
+    text: the command, in the spelling of `spell.py`. weight: in the loss, > 0.
     correction: the id of the correction that says so.
     """
 
@@ -72,41 +89,22 @@ class Label(NamedTuple):
     correction: str
 
 
-class _Word(NamedTuple):
-    """A correction that the robot obeyed, with the receipt that says since when."""
+class _Said(NamedTuple):
+    """What is said about a decision, not yet put into the words of a label."""
 
     correction: Correction
-    receipt: Receipt
-    begin: int
-
-    @property
-    def order(self) -> tuple[int, int, str]:
-        """By when the robot heard it; a later word replaces an earlier one."""
-        return (self.receipt.time_ns, self.begin, self.correction.id)
+    weight: float
+    ground: Ground
 
 
-class _Before(NamedTuple):
-    """The steps before an override in which what held had already been objected to.
+class Dispute(NamedTuple):
+    """Two people who judge one decision differently."""
 
-    obeyed: it did take effect, and was not replaced before that.
-    """
-
-    steps: range
-    word: _Word
-    obeyed: bool
-
-
-class _Hold(NamedTuple):
-    """Control steps [begin, end) in which an override was in force."""
-
-    begin: int
-    end: int
-    word: _Word
-
-
-def canonical(text: str) -> str:
-    """The one spelling of a phrase: lower case, single spaces, no full stop at its end."""
-    return " ".join(text.lower().split()).rstrip(".! ") or text
+    episode: str
+    decision: str
+    step: int
+    one: Opinion
+    other: Opinion
 
 
 def derive(history: History, settings: LabelSettings, low_level_sha256: str) -> tuple[Label, ...]:
@@ -115,14 +113,24 @@ def derive(history: History, settings: LabelSettings, low_level_sha256: str) -> 
     The order in which things arrived makes no difference. Episodes that ran another low level
     give none: the right command depends on what the low level can do.
     """
-    words = _words(history.corrections, history.receipts)
-    decisions = _by_episode(history.decisions)
-    labels: list[Label] = []
-    for episode in sorted(history.episodes, key=lambda episode: episode.id):
-        if episode.low_level_sha256 == low_level_sha256:
-            heads = sorted(decisions[episode.id], key=lambda head: (head.step, head.id))
-            labels += _judge(heads, words[episode.id], episode.steps, settings)
-    return tuple(labels)
+    spell = spelling(history.rulings)
+    return tuple(
+        label
+        for account in accounts(history)
+        if account.episode.low_level_sha256 == low_level_sha256
+        for label in _Judge(account, settings, spell).labels()
+    )
+
+
+def disputes(history: History, settings: LabelSettings) -> tuple[Dispute, ...]:
+    """All that two people contradict each other about, in the order of episode and step."""
+    spell = spelling(history.rulings)
+    return tuple(
+        Dispute(head.episode, head.id, head.step, *pair)
+        for account in accounts(history)
+        for head, pairs in _Judge(account, settings, spell).disputes()
+        for pair in pairs
+    )
 
 
 def sha256_labels(labels: Iterable[Label]) -> str:
@@ -131,122 +139,86 @@ def sha256_labels(labels: Iterable[Label]) -> str:
     return hashlib.sha256("".join(lines).encode()).hexdigest()
 
 
-def _words(
-    corrections: Iterable[Correction], receipts: Iterable[Receipt]
-) -> Mapping[str, list[_Word]]:
-    """What was said and obeyed in each episode, in the order in which the robot heard it."""
-    answers = {receipt.correction: receipt for receipt in receipts if receipt.accepted}
-    words: dict[str, list[_Word]] = defaultdict(list)
-    for correction in corrections:
-        answer = answers.get(correction.id)
-        if answer is not None and answer.step is not None:
-            words[correction.episode].append(_Word(correction, answer, answer.step))
-    for said in words.values():
-        said.sort(key=lambda word: word.order)
-    return words
+class _Judge:
+    """What the decisions of one episode should have been."""
 
+    def __init__(self, account: Account, settings: LabelSettings, spell: Spelling) -> None:
+        self._account, self._settings, self._spell = account, settings, spell
+        held = holds(account.heard, account.episode.steps)
+        before_steps, hz = settings.before_steps, settings.control_hz
+        self._course = Course(held, befores(account.heard, held, account.heads, before_steps, hz))
+        self._verdicts = verdicts(account.heard)
+        self._opinions = Opinions(account, self._course, spell, settings.approval_weight > 0)
+        self._blamed = {id_ for fault in account.faults for id_ in fault.decisions}
 
-def _by_episode(heads: Iterable[DecisionHead]) -> Mapping[str, list[DecisionHead]]:
-    grouped: dict[str, list[DecisionHead]] = defaultdict(list)
-    for head in heads:
-        grouped[head.episode].append(head)
-    return grouped
+    def labels(self) -> Iterator[Label]:
+        """By step; decisions at which the hand slipped, and disputed ones, have none."""
+        mask = self._settings.disputed == "mask"
+        disputed = {head.id for head, _ in self.disputes()} if mask else set()
+        for head in self._account.heads:
+            if head.id not in self._blamed and head.id not in disputed:
+                label = self._label(head)
+                if label is not None and label.weight > 0:
+                    yield label
 
+    def disputes(self) -> Iterator[tuple[DecisionHead, list[tuple[Opinion, Opinion]]]]:
+        """The decisions that two people judge differently, by step."""
+        for head in self._account.heads:
+            if head.id not in self._blamed:
+                pairs = self._opinions.disputed(head, self._step(head))
+                if pairs:
+                    yield head, pairs
 
-def _judge(
-    heads: Sequence[DecisionHead], words: Sequence[_Word], end: int, settings: LabelSettings
-) -> list[Label]:
-    holds = _holds(words, end)
-    befores = _befores(words, holds, settings.before_steps)
-    verdicts = _verdicts(words)
-    labels = []
-    for head in heads:
-        word = verdicts.get(head.id)
-        label = _held(head, holds, befores, settings)
-        approved = word is not None and word.correction.kind is Kind.APPROVE
-        if word and (not approved or label is None or label.ground is Ground.BEFORE):
-            label = _direct(head, word, settings)
-        if label is not None and label.weight > 0:
-            labels.append(label)
-    return labels
+    def _step(self, head: DecisionHead) -> int:
+        return head.step + self._settings.anticipate_steps
 
+    def _label(self, head: DecisionHead) -> Label | None:
+        """What was said last of the past, or else what was said while it was the present.
 
-def _holds(words: Iterable[_Word], end: int) -> list[_Hold]:
-    """When each override was in force: until it expired, was replaced or released, or the end."""
-    holds: list[_Hold] = []
-    for word in words:
-        if word.correction.kind not in (Kind.OVERRIDE, Kind.RELEASE):
-            continue
-        # Whatever was to hold beyond this point doesn't, even what had not begun yet.
-        cut = (hold._replace(end=min(hold.end, word.begin)) for hold in holds)
-        holds = [hold for hold in cut if hold.begin < hold.end]
-        if word.correction.kind is Kind.OVERRIDE:
-            hold_steps = word.correction.hold_steps
-            until = end if hold_steps is None else min(end, word.begin + hold_steps)
-            holds.append(_Hold(word.begin, until, word))
-    return holds
+        Only an override that was said later still, of this very decision or in force at its step,
+        stands against what was said of the past.
+        """
+        said, window = self._said(head), self._window(head)
+        if said is not None and window is not None:
+            override = said.ground in (Ground.OBJECTED, Ground.HELD)
+            window = None if override and later(said.correction, window.order) else window
+        if window is not None:
+            relabel = window.correction.kind is Kind.RELABEL
+            ground = Ground.RELABELLED if relabel else Ground.HELD
+            said = _Said(window.correction, 1.0, ground)
+        return None if said is None else self._make(head, said)
 
+    def _make(self, head: DecisionHead, said: _Said) -> Label:
+        text = self._spell(text_of(said.correction, head))
+        return Label(head.id, head.episode, text, said.weight, said.ground, said.correction.id)
 
-def _befores(words: Iterable[_Word], holds: Iterable[_Hold], before_steps: int) -> list[_Before]:
-    """From before what the person saw up to when each override took effect, in the order heard."""
-    obeyed = {hold.word.correction.id for hold in holds if hold.begin < hold.end}
-    found = []
-    for word in words:
-        if word.correction.kind is Kind.OVERRIDE:
-            seen = word.correction.seen_step
-            first = word.begin if seen is None else min(seen, word.begin)
-            steps = range(max(0, first - before_steps), word.begin)
-            found.append(_Before(steps, word, word.correction.id in obeyed))
-    return found
+    def _window(self, head: DecisionHead) -> Standing | None:
+        """What was said last of the past about the step of a decision."""
+        step = self._step(head)
+        covers = (one for one in self._account.windows if one.span and step in one.span)
+        return max(covers, key=lambda one: one.order, default=None)
 
+    def _said(self, head: DecisionHead) -> _Said | None:
+        """What was said of this very decision, or else while an override held or was coming."""
+        held, word = self._held(self._step(head)), self._verdicts.get(head.id)
+        if word is None:
+            return held
+        kind, weight = word.correction.kind, self._settings.approval_weight
+        if kind is Kind.OVERRIDE:
+            return _Said(word.correction, 1.0, Ground.OBJECTED)
+        if kind is Kind.RELEASE:
+            return _Said(word.correction, weight, Ground.RELEASED)
+        if held is None or held.ground is Ground.BEFORE:
+            return _Said(word.correction, weight, Ground.APPROVED)
+        return held
 
-def _verdicts(words: Iterable[_Word]) -> dict[str, _Word]:
-    """The last word about each decision; an approval never has it against an objection.
-
-    Who overrides a decision and then approves, approves of what they said themselves.
-    """
-    verdicts: dict[str, _Word] = {}
-    for word in words:
-        decision, kind = word.correction.decision, word.correction.kind
-        if decision is None or kind not in (Kind.OVERRIDE, Kind.RELEASE, Kind.APPROVE):
-            continue
-        if kind is not Kind.APPROVE or decision not in verdicts:
-            verdicts[decision] = word
-    return verdicts
-
-
-def _direct(head: DecisionHead, word: _Word, settings: LabelSettings) -> Label:
-    """A label from what was said about this very decision."""
-    correction = word.correction
-    if correction.goal is not None:
-        return _label(head, correction.goal.text, 1.0, Ground.OBJECTED, word)
-    if correction.kind is Kind.RELEASE:
-        return _label(head, head.best, settings.approval_weight, Ground.RELEASED, word)
-    return _label(head, head.executed, settings.approval_weight, Ground.APPROVED, word)
-
-
-def _held(
-    head: DecisionHead,
-    holds: Iterable[_Hold],
-    befores: Iterable[_Before],
-    settings: LabelSettings,
-) -> Label | None:
-    """A label from the override that was in force, or by setting from the one on its way."""
-    step = head.step + settings.anticipate_steps
-    coming = [before for before in befores if step in before.steps]
-    if coming:
-        obeyed = [before.word for before in coming if before.obeyed]
-        word = min(obeyed, key=lambda word: (word.begin, word.order), default=None)
-        if settings.before == "mask" or word is None or word.correction.goal is None:
-            return None
-        text = word.correction.goal.text
-        return _label(head, text, settings.before_weight, Ground.BEFORE, word)
-    for hold in holds:
-        goal = hold.word.correction.goal
-        if hold.begin <= step < hold.end and goal is not None:
-            return _label(head, goal.text, 1.0, Ground.HELD, hold.word)
-    return None
-
-
-def _label(head: DecisionHead, text: str, weight: float, ground: Ground, word: _Word) -> Label:
-    return Label(head.id, head.episode, canonical(text), weight, ground, word.correction.id)
+    def _held(self, step: int) -> _Said | None:
+        """The override that was in force, or by setting the one on its way."""
+        if coming := self._course.coming(step):
+            obeyed = [before.word for before in coming if before.obeyed]
+            word = min(obeyed, key=lambda word: (word.begin, word.order), default=None)
+            if self._settings.before == "mask" or word is None:
+                return None
+            return _Said(word.correction, self._settings.before_weight, Ground.BEFORE)
+        held = self._course.held(step)
+        return None if held is None else _Said(held.correction, 1.0, Ground.HELD)

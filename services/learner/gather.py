@@ -10,8 +10,9 @@ from contextlib import suppress
 import numpy as np
 from numpy.typing import NDArray
 
-from services.learner.aggregate import Label, canonical
+from services.learner.aggregate import Label
 from services.learner.publish import announcement
+from services.learner.spell import Spelling, canonical
 from services.learner.store.store import PolicyRecord, Store
 from services.learner.store.tensors import TensorFiles, unpack
 from shared.errors import RefusedError
@@ -77,13 +78,18 @@ def _shown(ids: Iterable[str], store: Store) -> dict[str, NDArray[np.uint8]]:
     return shown
 
 
-def agreement(policy: HighLevel, labels: Sequence[Label], store: Store) -> float | None:
-    """The share of labels that a policy proposes first; None where there are none."""
+def agreement(
+    policy: HighLevel, labels: Sequence[Label], store: Store, spell: Spelling
+) -> float | None:
+    """The share of labels that a policy proposes first; None where there are none.
+
+    spell: as the labels are spelt, so that another wording of the same is no miss.
+    """
     if not labels:
         return None
     seen = store.decisions(label.decision for label in labels)
     right = [
-        canonical(policy.propose(observation_of(decision), past_of(decision, store))[0].goal.text)
+        spell(policy.propose(observation_of(decision), past_of(decision, store))[0].goal.text)
         == label.text
         for label, decision in zip(labels, seen, strict=True)
     ]

@@ -21,6 +21,7 @@ from services.learner.config import Recipe, TrainSettings
 from services.learner.gate import Candidate, Figures, keep_aside, split
 from services.learner.gather import agreement, gather, grow, known, open_version
 from services.learner.process import Job, Report
+from services.learner.spell import spelling
 from services.learner.store.sql import SqlStore
 from services.learner.store.store import PolicyRecord, Round, Store
 from services.learner.store.tensors import TensorFiles
@@ -57,17 +58,19 @@ def fine_tune(
     began = time.monotonic()
     recipe = Recipe.model_validate(round_.manifest.settings)
     in_force = _record(store, round_.parent)
-    labels = derive(store.history(round_.manifest), recipe.labels, in_force.low_level_sha256)
+    history = store.history(round_.manifest)
+    spell = spelling(history.rulings)
+    labels = derive(history, recipe.labels, in_force.low_level_sha256)
     kept, held_out = split(labels, recipe.gate.held_out_share)
     replayed, aside = keep_aside(len(demonstrations), recipe.gate.retained)
     retained = demonstrations.take(aside)
     policy = open_version(in_force, files)
-    before, knew = agreement(policy, held_out, store), known(policy, retained)
+    before, knew = agreement(policy, held_out, store, spell), known(policy, retained)
     if recipe.train.start == "base":
         policy = open_version(_record(store, 0), files)
-    bank, spelling = grow(policy.bank, labels)
+    bank, spelt = grow(policy.bank, labels)
     learned = [*treat(kept)] if treat else kept
-    said = gather(balance(learned, recipe.balance), spelling, store) if learned else None
+    said = gather(balance(learned, recipe.balance), spelt, store) if learned else None
 
     def told(step: int, steps: int, loss: float) -> bool:
         del loss  # Unused.
@@ -86,7 +89,7 @@ def fine_tune(
         finite=all(np.isfinite(array).all() for array in policy.tensors().values()),
         seconds=round(time.monotonic() - began, 3),
         before=before,
-        after=agreement(policy, held_out, store),
+        after=agreement(policy, held_out, store, spell),
         retained=len(retained),
         retained_before=knew,
         retained_after=known(policy, retained),

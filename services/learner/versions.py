@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from contextlib import closing
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Annotated, Any, Optional
+from typing import Annotated, Any
 
 import typer
 from pydantic import ValidationError
@@ -20,8 +20,7 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from services.learner.build import STORE_FILE
-from services.learner.store.sql import SqlStore, sqlite_url
+from services.learner.kept import Data, Report, open_store, write_report
 from services.learner.store.store import Answer, PolicyRecord, Round, RoundState, Store
 from shared.config import exit_misconfigured
 from shared.errors import ConfigError
@@ -32,10 +31,6 @@ from shared.service import run_app
 SCHEMA = 2
 AUTHOR = "operator"
 ANSWER_S = 5.0  # Ten looks of a learner.
-Data = Annotated[Path, typer.Option(help="the run, of `hld up` or of a learner")]
-Report = Annotated[
-    Optional[Path], typer.Option(dir_okay=False, help="write the same here, as JSON")
-]
 app = typer.Typer(add_completion=False, no_args_is_help=True)
 
 
@@ -47,7 +42,7 @@ def _policy() -> None:
 @app.command("list")
 def list_versions(data: Data = Path("runs/up"), report: Report = None) -> None:
     """All rounds: what each was made from, what the gate said, and the version that it made."""
-    with closing(_store(data)) as store:
+    with closing(open_store(data, "policy")) as store:
         versions, rounds, answers = store.versions(), store.rounds(), store.answers()
     content = {
         "schema": SCHEMA,
@@ -55,7 +50,7 @@ def list_versions(data: Data = Path("runs/up"), report: Report = None) -> None:
         "rounds": _ended(rounds),
         "rulings": [answer.model_dump(mode="json") for answer in answers],
     }
-    _write(report, content)
+    write_report(report, content)
     console = Console()
     console.print(_table(versions, rounds))
     for round_ in rounds:
@@ -73,13 +68,13 @@ def show(
     report: Report = None,
 ) -> None:
     """One version: its round with manifest, seed, settings and figures, bank and tensors."""
-    with closing(_store(data)) as store:
+    with closing(open_store(data, "policy")) as store:
         versions, rounds = store.versions(), store.rounds()
     if number >= len(versions):
         known = f"there are 0 to {len(versions) - 1}" if versions else "there is none yet"
         exit_misconfigured("policy", ConfigError(f"no version {number} in {data}; {known}"))
     content = {"schema": SCHEMA, **detail(versions[number], rounds)}
-    _write(report, content)
+    write_report(report, content)
     Console().print_json(json.dumps(content, ensure_ascii=False))
 
 
@@ -135,7 +130,7 @@ def _decide(data: Path, verb: Verb, author: str, reason: str, **about: int) -> N
         )
     except ValidationError as error:
         exit_misconfigured("policy", ConfigError(error.errors()[0]["msg"]))
-    with closing(_store(data)) as store:
+    with closing(open_store(data, "policy")) as store:
         store.add(ruling, now_ns)
         answer = _answered(store, ruling.id)
     if answer is None:
@@ -156,19 +151,6 @@ def _answered(store: Store, ruling: str) -> Answer | None:
             return found
         time.sleep(0.1)
     return None
-
-
-def _store(data: Path) -> SqlStore:
-    """The store of a run.
-
-    Exits where there is none, naming the places that were looked at.
-    """
-    places = (data / "learner" / STORE_FILE, data / STORE_FILE)
-    found = next((place for place in places if place.is_file()), None)
-    if found is None:
-        looked = " and ".join(map(str, places))
-        exit_misconfigured("policy", ConfigError(f"no store of a learner: looked at {looked}"))
-    return SqlStore(sqlite_url(found.absolute()))
 
 
 def _told(versions: Sequence[PolicyRecord], rounds: Sequence[Round]) -> list[dict[str, Any]]:
@@ -252,12 +234,6 @@ def _made_by(version: PolicyRecord, rounds: Sequence[Round]) -> Round | None:
 
 def _when(time_ns: int) -> str:
     return datetime.fromtimestamp(time_ns / 1e9, UTC).isoformat(sep=" ", timespec="seconds")[:19]
-
-
-def _write(report: Path | None, content: dict[str, Any]) -> None:
-    if report:
-        report.parent.mkdir(parents=True, exist_ok=True)
-        report.write_text(json.dumps(content, indent=2, ensure_ascii=False) + "\n")
 
 
 if __name__ == "__main__":

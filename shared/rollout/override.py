@@ -2,6 +2,7 @@
 
 from typing import NamedTuple
 
+from shared.messages.correction import Correction
 from shared.messages.goal import Goal
 
 
@@ -20,6 +21,19 @@ class Override(NamedTuple):
     def over(self, step: int) -> bool:
         """It has expired by control step `step`."""
         return self.end is not None and step >= self.end
+
+
+def override_of(correction: Correction, step: int, awaited_step: int | None) -> Override:
+    """What a correction of this kind asks for, heard before control step `step`.
+
+    awaited_step: of the decision that waits for a verdict, from which on the delay counts.
+    """
+    assert correction.goal is not None  # Its model says so.
+    begin = step
+    if correction.delay_steps and awaited_step is not None:
+        begin = max(begin, awaited_step + correction.delay_steps)
+    end = begin + correction.hold_steps if correction.hold_steps else None
+    return Override(correction.id, correction.goal, begin, end)
 
 
 class Overrides:
@@ -46,6 +60,33 @@ class Overrides:
         """What holds does no longer; its id. What is to begin still does."""
         released, self.held = self.held_by, None
         return released
+
+    def knows(self, correction: str | None) -> bool:
+        """Whether the override of this correction holds or is to begin."""
+        known = [coming.correction for coming in self._coming]
+        return correction is not None and correction in (self.held_by, *known)
+
+    def withdraw(self, correction: str | None) -> str | None:
+        """One that should not have been said holds no longer, and will not begin.
+
+        Returns its id where it held. What it replaced is not brought back.
+        """
+        self._coming = [coming for coming in self._coming if coming.correction != correction]
+        return self.release() if correction and correction == self.held_by else None
+
+    def reword(self, edit: Correction) -> Override | None:
+        """The target of an edit has its goal from now on, for as long as it was to hold.
+
+        Returns it where it holds.
+        """
+        assert edit.goal is not None  # Its model says so.
+        for place, coming in enumerate(self._coming):
+            if coming.correction == edit.target:
+                self._coming[place] = coming._replace(goal=edit.goal)
+        if self.held is None or self.held.correction != edit.target:
+            return None
+        self.held = self.held._replace(goal=edit.goal)
+        return self.held
 
     def expire(self, step: int) -> bool:
         """Let go what has expired; True if something did."""

@@ -14,16 +14,17 @@ from collections.abc import Callable
 import numpy as np
 
 from shared.clock import Clock
-from shared.messages.correction import Correction, Kind
+from shared.messages.correction import AFTERWARDS, Correction, Kind
 from shared.messages.decision import Asked, Choice, Decision
 from shared.messages.goal import Goal
 from shared.messages.observation import Observation
 from shared.messages.policy import Version
 from shared.messages.receipt import Receipt
+from shared.rollout.answering import Moment, answer, objection
 from shared.rollout.asking import Asking, Question
 from shared.rollout.choosing import Choosing
 from shared.rollout.looks import Looks
-from shared.rollout.override import Override, Overrides
+from shared.rollout.override import Overrides, override_of
 from shared.rollout.robot import HighLevel, LowLevel, Robot, Scene
 from shared.rollout.settings import RolloutSettings
 from shared.rollout.thinking import Proposals, Thinking
@@ -205,39 +206,24 @@ class Rollout:
         return self._OBEY[correction.kind](self, correction)
 
     def _objection(self, correction: Correction) -> str:
-        if correction.episode != self.episode:
-            return f"episode {correction.episode} is over; the current one is {self.episode}"
-        if self.over:
-            return f"episode {self.episode} is over; wait for the next one"
-        if correction.decision and not self._took(correction.decision):
-            newest = f"the newest is {self.episode}-{self.decisions - 1}" if self.decisions else ""
-            return f"no decision {correction.decision} in this episode; {newest or 'none so far'}"
-        if correction.kind is Kind.RELEASE and not self._overrides.held:
-            return "no override holds, so there is nothing to release"
-        if correction.kind is Kind.RESUME and not self.paused:
-            return "the robot is not paused, so there is nothing to resume"
-        if correction.goal is not None:
+        held = self._overrides.held is not None
+        moment = Moment(self.episode, self.over, self.decisions, held, self.paused)
+        if why := objection(correction, moment):
+            return why
+        for_now = correction.kind is Kind.OVERRIDE or self._overrides.knows(correction.target)
+        if correction.goal is not None and for_now and not self.over:
             return self._low_level.objection(*self._robot.sense(), correction.goal)
         return ""
 
-    def _took(self, decision: str) -> bool:
-        """Whether a decision of this id was taken in this episode."""
-        episode, _, index = decision.rpartition("-")
-        return episode == self.episode and index.isdecimal() and int(index) < self.decisions
-
     def _override(self, correction: Correction) -> Receipt:
-        assert correction.goal is not None  # Its model says so.
-        begin = self.step
-        if correction.delay_steps and self.awaited:
-            begin = max(begin, self.awaited.step + correction.delay_steps)
-        end = begin + correction.hold_steps if correction.hold_steps else None
+        override = override_of(correction, self.step, self.awaited.step if self.awaited else None)
         replaced = self._overrides.held_by
-        self._overrides.put(Override(correction.id, correction.goal, begin, end))
+        self._overrides.put(override)
         self._turn_overrides()
         self.corrections += 1
         self._ask_again()
         self._acquit(correction)
-        return self._receipt(correction, begin, replaced)
+        return self._receipt(correction, override.begin, replaced)
 
     def _release(self, correction: Correction) -> Receipt:
         replaced = self._overrides.release()
@@ -254,6 +240,20 @@ class Rollout:
         self.paused = correction.kind is Kind.PAUSE
         return self._receipt(correction, self.step)
 
+    def _retract(self, correction: Correction) -> Receipt:
+        replaced = self._overrides.withdraw(correction.target)
+        if replaced:
+            self._give_back()
+            self._ask_again()
+        return self._receipt(correction, self.step, replaced)
+
+    def _edit(self, correction: Correction) -> Receipt:
+        held = self._overrides.reword(correction)
+        if held:
+            self._enforce(held.goal, held.correction)
+            self._ask_again()
+        return self._receipt(correction, self.step, held and held.correction)
+
     _OBEY = {
         Kind.OVERRIDE: _override,
         Kind.RELEASE: _release,
@@ -261,10 +261,17 @@ class Rollout:
         Kind.PASS: _approve,
         Kind.PAUSE: _pause,
         Kind.RESUME: _pause,
+        Kind.RETRACT: _retract,
+        Kind.EDIT: _edit,
+        Kind.RETIME: _approve,
+        Kind.RELABEL: _approve,
+        Kind.FAULT: _approve,
     }
 
     def _acquit(self, correction: Correction) -> None:
-        if self.awaited and correction.decision in (None, self.awaited.id):
+        # Who takes back or tells of the past has not said what is right at the one that waits.
+        verdict = correction.kind not in AFTERWARDS
+        if self.awaited and verdict and correction.decision in (None, self.awaited.id):
             self.awaited = None
 
     def _ask_again(self) -> None:
@@ -288,13 +295,5 @@ class Rollout:
     def _receipt(
         self, correction: Correction, step: int | None, replaced: str | None = None, why: str = ""
     ) -> Receipt:
-        return Receipt(
-            correction=correction.id,
-            robot=self.name,
-            episode=correction.episode,
-            accepted=step is not None,
-            step=step,
-            replaced=replaced,
-            reason=why,
-            time_ns=self._clock.now_ns(),
-        )
+        now_ns = self._clock.now_ns()
+        return answer(correction, self.name, step, now_ns, replaced=replaced, why=why)

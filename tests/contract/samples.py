@@ -27,7 +27,7 @@ from shared.wire.codec import encode
 GOLDEN = Path(__file__).parent / "golden"
 
 NUMBERS: dict[type[Message], int] = {
-    Correction: 1,
+    Correction: 2,
     Decision: 3,
     Episode: 2,
     Frame: 1,
@@ -41,7 +41,10 @@ NUMBERS: dict[type[Message], int] = {
     TrialReport: 1,
 }
 
-UNFIT: dict[type[Message], set[str]] = {Ruling: {"round", "version"}}
+UNFIT: dict[type[Message], set[str]] = {
+    Correction: {"goal", "decision", "hold_steps"},
+    Ruling: {"round", "version"},
+}
 """Fields that can't be set together with those that are."""
 
 CHEESE = LanguageGoal(text="pick up the cheese")
@@ -105,12 +108,12 @@ def correction() -> Correction:
         id="cor-1",
         robot="robot-1",
         episode="ep-1",
-        kind=Kind.OVERRIDE,
+        kind=Kind.RETIME,
         author="anna",
-        goal=CHEESE,
-        decision="dec-1",
+        target="cor-0",
+        first_step=140,
+        end_step=240,
         seen_step=150,
-        hold_steps=100,
         delay_steps=5,
         begun_ns=TIME_NS,
         created_ns=TIME_NS + 1,

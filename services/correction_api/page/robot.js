@@ -189,6 +189,8 @@ function outcome({ words, status, view, reason }) {
       return ["pending", `${what}: sending …`];
     case "pending":
       return ["pending", `${what}: kept, waiting for the robot …`];
+    case "kept":
+      return ["in-force", `${what}: kept for the learner`];
     case "in force":
       return ["in-force", `${what}: in force since step ${view.receipt.step}${phrase}`];
     default:

@@ -7,15 +7,15 @@ from fastapi import APIRouter, Header, Query, Response
 from pydantic import BaseModel, ConfigDict, Field
 
 from services.correction_api import examples
+from services.correction_api.hindsight import find_correction
 from services.correction_api.parts import Parts
-from services.correction_api.problems import Problem, described, shorten
+from services.correction_api.problems import Problem, described
 from services.correction_api.routes import PartsDep
 from services.correction_api.show import show_correction
 from services.correction_api.store.log import Entry, Status
 from services.correction_api.topic import current
 from services.correction_api.utterance import Utterance
 from services.correction_api.views import CorrectionPage, CorrectionView
-from shared.errors import nearest
 from shared.messages.message import ID_PATTERN, Id
 
 MAX_PAGE = 200
@@ -37,11 +37,14 @@ class HistoryQuery(BaseModel):
 
 @router.post(
     "/robots/{robot}/corrections",
-    summary="Say what the robot shall do instead, or that it was right",
+    summary="Say what the robot shall do instead, that it was right, or what was wrong before",
     status_code=201,
     response_model=CorrectionView,
     responses={
-        201: examples.answered(examples.CORRECTION, "On disk, and in force since receipt.step"),
+        201: examples.answered(
+            examples.CORRECTION,
+            "On disk, and in force since receipt.step; or `kept`, about an episode that is over",
+        ),
         202: examples.answered(
             examples.PENDING,
             "On disk; the robot has not answered yet, and is asked until it does or time runs out",
@@ -83,12 +86,7 @@ async def correct(
     },
 )
 def correction(parts: PartsDep, correction: str) -> CorrectionView:
-    entry = parts.log.find(correction)
-    if entry is None:
-        last = [entry.correction.id for entry in parts.log.page(None, None, MAX_PAGE, None)]
-        detail = f"no correction {shorten(correction)}{nearest(correction[:64], last)}"
-        raise Problem(404, "unknown-correction", "No correction has this id", detail)
-    return show_correction(parts, entry)
+    return show_correction(parts, find_correction(parts.log, correction))
 
 
 @router.get(

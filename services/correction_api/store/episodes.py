@@ -54,6 +54,13 @@ class Episodes:
             rows = connection.execute(query).all()
         return [(row.sequence, Episode.model_validate_json(row.message)) for row in rows]
 
+    def find(self, name: str) -> Episode | None:
+        """The episode with this id, if it was told of, so that it is over."""
+        query = select(episodes.c.message).where(episodes.c.id == name)
+        with self._readers.connect() as connection:
+            row = connection.execute(query).one_or_none()
+        return Episode.model_validate_json(row.message) if row else None
+
     def ended(self, name: str) -> bool:
         """An episode with this id was told of, so it is over."""
         query = select(episodes.c.sequence).where(episodes.c.id == name)

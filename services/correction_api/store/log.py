@@ -10,17 +10,19 @@ from sqlalchemy import Connection, Engine, Row, Select, insert, select, update
 from services.correction_api.store.parcels import send
 from services.correction_api.store.tables import corrections
 from services.correction_api.store.writer import Writer
-from shared.messages.correction import Correction
+from shared.messages.correction import AFTERWARDS, Correction
 from shared.messages.receipt import Receipt
 
 
 class Status(StrEnum):
-    """What became of a correction: `expired` means that no robot ever answered."""
+    """What became of a correction: `expired` means that no robot ever answered; `kept`, that none
+    had to, since it is about the past."""
 
     PENDING = "pending"
     IN_FORCE = "in force"
     REFUSED = "refused"
     EXPIRED = "expired"
+    KEPT = "kept"
 
 
 class Entry(NamedTuple):
@@ -44,17 +46,22 @@ class Log:
         """outbox_key: at which key the learner takes a "correction" or a "receipt"."""
         self._writer, self._readers, self._outbox_key = writer, readers, outbox_key
 
-    def append(self, correction: Correction, digest: str) -> Future[Entry]:
-        """Keep a correction, and post it to the learner; the entry that is there wins."""
+    def append(
+        self, correction: Correction, digest: str, status: Status = Status.PENDING
+    ) -> Future[Entry]:
+        """Keep a correction, and post it to the learner; the entry that is there wins.
+
+        status: pending, or kept where no robot has to hear it.
+        """
 
         def work(connection: Connection) -> Entry:
             if found := _find(connection, correction.id):
                 return found
-            values = _values(correction, digest)
+            values = _values(correction, digest, status)
             key = insert(corrections).values(values).returning(corrections.c.sequence)
             sequence = connection.execute(key).scalar_one()
             self._post(connection, correction.id, "correction", correction.model_dump_json())
-            return Entry(sequence, correction, Status.PENDING, digest, None, "")
+            return Entry(sequence, correction, status, digest, None, "")
 
         return self._writer.submit(work)
 
@@ -74,10 +81,11 @@ class Log:
 
         return self._writer.submit(work)
 
-    def expire(self, correction: str, reason: str) -> Future[Entry | None]:
-        """Close a correction that no robot answered."""
+    def expire(self, correction: Correction, reason: str) -> Future[Entry | None]:
+        """Close a correction that no robot answered; one about the past stays true all the same."""
+        status = Status.KEPT if correction.kind in AFTERWARDS else Status.EXPIRED
         return self._writer.submit(
-            lambda connection: _close(connection, correction, Status.EXPIRED, reason, None)
+            lambda connection: _close(connection, correction.id, status, reason, None)
         )
 
     def probe(self) -> None:
@@ -119,13 +127,13 @@ class Log:
         send(connection, f"{message}/{name}", self._outbox_key(message), text.encode())
 
 
-def _values(correction: Correction, digest: str) -> dict[str, Any]:
+def _values(correction: Correction, digest: str, status: Status) -> dict[str, Any]:
     return {
         "id": correction.id,
         "robot": correction.robot,
         "episode": correction.episode,
         "kind": correction.kind,
-        "status": Status.PENDING,
+        "status": status,
         "digest": digest,
         "created_ns": correction.created_ns,
         "message": correction.model_dump_json(),

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import simplejpeg
 
-from shared.messages.correction import Correction, Kind
+from shared.messages.correction import AFTERWARDS, Correction, Kind
 from shared.messages.decision import Decision, Proposal
 from shared.messages.episode import Episode, Outcome
 from shared.messages.frame import Frame
@@ -188,7 +188,12 @@ class FakeRobot:
         return encode(self.receipts[correction.id])
 
     def _judge(self, correction: Correction) -> Receipt:
-        stale = correction.episode != self.episode
+        stale = correction.episode != self.episode and correction.kind not in AFTERWARDS
+        replaced = None
+        if correction.target == self.chosen_by:
+            replaced = correction.target
+            if correction.kind is Kind.EDIT and correction.goal:
+                self.command = correction.goal.text
         if not stale and correction.kind is Kind.OVERRIDE and correction.goal:
             self.command, self.chosen_by = correction.goal.text, correction.id
         if not stale and correction.kind is Kind.RELEASE:
@@ -203,6 +208,7 @@ class FakeRobot:
             episode=correction.episode,
             accepted=not reason,
             step=None if reason else self.step,
+            replaced=replaced,
             reason=reason,
             time_ns=time.time_ns(),
         )

@@ -208,3 +208,13 @@ def test_pictures_are_made_only_while_somebody_watches(bench):
     assert sequence == sorted(set(sequence))
     assert bytes(frames[0].arrays["jpeg"][:2]) == b"\xff\xd8"
     assert frames[0].arrays["jpeg"].dtype == np.uint8
+
+
+def test_between_two_episodes_only_what_is_said_of_the_past_is_taken(bench):
+    actor = bench(rollout={"max_steps": 3}, episodes_per_version=1)
+    actor.tick_until(lambda: actor.heard["episode"])
+    over = actor.heard["episode"][0].id
+    late = actor.say(said(Kind.OVERRIDE, "up", episode=over))
+    assert late.reason == f"episode {over} is over and the next one has not begun"
+    past = said(Kind.RELABEL, "up", episode=over, first_step=0, end_step=2)
+    assert (actor.say(past).step, actor.say(past).reason) == (0, "")

@@ -8,6 +8,7 @@ from alembic.migration import MigrationContext
 from services.correction_api.store.engine import open_engine, upgrade
 from services.correction_api.store.log import Status
 from services.correction_api.store.tables import metadata
+from shared.messages.correction import Kind
 from tests.unit.correction_api.store import correction, opened_store, receipt
 
 
@@ -49,10 +50,25 @@ def test_a_receipt_closes_once_and_follows_its_correction(tmp_path: Path) -> Non
 def test_what_expired_has_no_receipt_and_cannot_come_in_force(tmp_path: Path) -> None:
     with opened_store(tmp_path / "a.sqlite") as store:
         store.log.append(correction("c-1"), "d").result()
-        expired = store.log.expire("c-1", "nobody answered").result()
+        expired = store.log.expire(correction("c-1"), "nobody answered").result()
         assert expired is not None
         assert (expired.status, expired.reason) == (Status.EXPIRED, "nobody answered")
         assert store.log.answer(receipt("c-1")).result() is None
+
+
+def test_what_is_said_of_the_past_does_not_expire_but_is_kept(tmp_path: Path) -> None:
+    past = correction("c-1").model_copy(
+        update={"kind": Kind.RETRACT, "goal": None, "target": "c-0"}
+    )
+    with opened_store(tmp_path / "a.sqlite") as store:
+        store.log.append(past, "d").result()
+        closed = store.log.expire(past, "nobody answered").result()
+        assert closed is not None
+        assert (closed.status, closed.reason) == (Status.KEPT, "nobody answered")
+        late = past.model_copy(update={"id": "c-2"})
+        assert store.log.append(late, "d", Status.KEPT).result().status is Status.KEPT
+        assert store.log.pending() == []
+        assert store.log.answer(receipt("c-2")).result() is None
 
 
 def test_what_is_pending_outlives_the_process_in_order(tmp_path: Path) -> None:

@@ -4,6 +4,9 @@ from typing import Any
 
 import numpy as np
 
+from services.learner.aggregate import Label, LabelSettings, derive
+from services.learner.store.memory import head_of
+from services.learner.store.store import History
 from shared.messages.correction import Correction, Kind
 from shared.messages.decision import Decision, Proposal
 from shared.messages.episode import Episode, Outcome
@@ -104,3 +107,31 @@ def ruling(id_: str = "say-1", **over: Any) -> Ruling:
     if "verb" not in over:
         fields["version"] = 0
     return Ruling.model_validate({**fields, **over})
+
+
+def history_of(*messages: Any) -> History:
+    """What a store would tell of these messages."""
+    kinds: dict[type, list[Any]] = {
+        kind: [] for kind in (Decision, Correction, Receipt, Episode, Ruling)
+    }
+    for message in messages:
+        kinds[type(message)].append(message)
+    heads = tuple(map(head_of, kinds.pop(Decision)))
+    return History(heads, *map(tuple, kinds.values()))
+
+
+def labels_of(*messages: Any, **over: Any) -> dict[int, Label]:
+    """The labels of what happened, by step; the episode e-1 is added where none is given."""
+    ended = [] if any(isinstance(message, Episode) for message in messages) else [episode()]
+    found = derive(history_of(*messages, *ended), LabelSettings(**over), LOW)
+    return {int(label.decision.rsplit("-", 1)[1]): label for label in found}
+
+
+def texts(labels: dict[int, Label]) -> dict[int, str]:
+    """What each decision should have been, by step."""
+    return {step: label.text for step, label in labels.items()}
+
+
+def every_20(last: int, **over: Any) -> list[Decision]:
+    """A decision every 20 steps."""
+    return [decision(step=step, **over) for step in range(0, last + 1, 20)]

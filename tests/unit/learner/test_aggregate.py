@@ -7,12 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from services.learner.aggregate import Ground, Label, LabelSettings, canonical, derive
-from services.learner.store.memory import head_of
-from services.learner.store.store import History
+from services.learner.aggregate import Ground, Label, LabelSettings, derive
+from services.learner.spell import canonical
 from shared.messages.correction import Correction, Kind
-from shared.messages.decision import Decision
-from shared.messages.episode import Episode
 from shared.messages.receipt import Receipt
 from tests.unit.learner.records import (
     CHEESE,
@@ -22,32 +19,12 @@ from tests.unit.learner.records import (
     correction,
     decision,
     episode,
+    every_20,
+    history_of,
+    labels_of,
     receipt,
+    texts,
 )
-
-
-def labels_of(*messages: Any, **over: Any) -> dict[int, Label]:
-    """The labels of what happened, by step; the episode e-1 is added."""
-    kinds: dict[type, list[Any]] = {Decision: [], Correction: [], Receipt: [], Episode: []}
-    for message in messages:
-        kinds[type(message)].append(message)
-    episodes = kinds[Episode] or [episode()]
-    history = History(
-        tuple(map(head_of, kinds[Decision])),
-        tuple(kinds[Correction]),
-        tuple(kinds[Receipt]),
-        tuple(episodes),
-    )
-    found = derive(history, LabelSettings(**over), LOW)
-    return {int(label.decision.rsplit("-", 1)[1]): label for label in found}
-
-
-def texts(labels: dict[int, Label]) -> dict[int, str]:
-    return {step: label.text for step, label in labels.items()}
-
-
-def every_20(last: int, **over: Any) -> list[Decision]:
-    return [decision(step=step, **over) for step in range(0, last + 1, 20)]
 
 
 def test_what_nobody_judged_gives_no_label() -> None:
@@ -260,16 +237,7 @@ def happenings(draw: st.DrawFn) -> list[Any]:
 
 
 def derived(messages: list[Any], **over: Any) -> tuple[Label, ...]:
-    kinds: dict[type, list[Any]] = {Decision: [], Correction: [], Receipt: [], Episode: []}
-    for message in messages:
-        kinds[type(message)].append(message)
-    history = History(
-        tuple(map(head_of, kinds[Decision])),
-        tuple(kinds[Correction]),
-        tuple(kinds[Receipt]),
-        tuple(kinds[Episode]),
-    )
-    return derive(history, LabelSettings(**over), LOW)
+    return derive(history_of(*messages), LabelSettings(**over), LOW)
 
 
 @settings(max_examples=150, deadline=None)

@@ -9,7 +9,15 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from shared.errors import MessageError
-from shared.messages.correction import Correction, Kind
+from shared.messages.correction import (
+    AFTERWARDS,
+    ALLOWS,
+    AMENDMENTS,
+    BOUND,
+    NEEDS,
+    Correction,
+    Kind,
+)
 from shared.messages.decision import Decision, Proposal, entropy
 from shared.messages.episode import Episode
 from shared.messages.frame import Frame
@@ -71,18 +79,50 @@ def test_a_command_loses_the_blanks_around_it():
     assert LanguageGoal(text="  wait \n") == LanguageGoal(text="wait")
 
 
-@pytest.mark.parametrize("kind", [kind for kind in Kind if kind is not Kind.OVERRIDE])
-def test_only_an_override_has_a_goal(kind):
-    changed(Correction, kind=kind, goal=None, hold_steps=None)
-    with pytest.raises(ValidationError, match="an override has a goal"):
-        changed(Correction, kind=kind, hold_steps=None)
-    with pytest.raises(ValidationError, match="only an override has hold_steps"):
-        changed(Correction, kind=kind, goal=None)
+SPAN = {"first_step": 10, "end_step": 20}
+FITS: dict[Kind, dict[str, object]] = {
+    Kind.OVERRIDE: {"goal": LanguageGoal(text="wait"), "hold_steps": 5, "decision": "dec-1"},
+    **{kind: {"decision": "dec-1"} for kind in (Kind.APPROVE, Kind.RELEASE, Kind.PASS)},
+    **{kind: {} for kind in (Kind.PAUSE, Kind.RESUME)},
+    Kind.RETRACT: {"target": "cor-0"},
+    Kind.EDIT: {"target": "cor-0", "goal": LanguageGoal(text="wait")},
+    Kind.RETIME: {"target": "cor-0", **SPAN},
+    Kind.RELABEL: {"goal": LanguageGoal(text="wait"), **SPAN},
+    Kind.FAULT: {"decision": "dec-1"},
+}
+NO_FIELDS = dict.fromkeys(BOUND)
 
 
-def test_an_override_without_a_goal_is_none():
-    with pytest.raises(ValidationError, match="an override has a goal"):
-        changed(Correction, goal=None)
+@pytest.mark.parametrize("kind", Kind)
+def test_each_kind_of_correction_has_the_fields_that_it_needs_and_no_others(kind):
+    fits = FITS[kind]
+    changed(Correction, kind=kind, **(NO_FIELDS | fits))
+    for name in NEEDS.get(kind, ()):
+        with pytest.raises(ValidationError, match=f"{kind} needs .*{name}"):
+            changed(Correction, kind=kind, **(NO_FIELDS | fits | {name: None}))
+    for name in set(BOUND) - NEEDS.get(kind, set()) - ALLOWS.get(kind, set()):
+        value = {"goal": LanguageGoal(text="wait"), "target": "cor-0", "decision": "dec-1"}
+        with pytest.raises(ValidationError, match=f"{kind} has no .*{name}.*; it has"):
+            changed(Correction, kind=kind, **(NO_FIELDS | fits | {name: value.get(name, 15)}))
+
+
+@pytest.mark.parametrize(
+    ("fields", "why"),
+    [
+        ({"first_step": 10}, "go together"),
+        ({"first_step": 10, "end_step": 10}, "more than 10"),
+        ({}, "a fault needs decision, or first_step and end_step"),
+    ],
+)
+def test_a_stretch_has_two_ends_and_a_step_between_them(fields, why):
+    with pytest.raises(ValidationError, match=why):
+        changed(Correction, kind=Kind.FAULT, **(NO_FIELDS | fields))
+
+
+def test_what_is_said_about_a_correction_is_said_afterwards():
+    assert AMENDMENTS < AFTERWARDS
+    assert {kind for kind in Kind if "target" in NEEDS.get(kind, ())} == AMENDMENTS
+    assert changed(Correction).span == range(140, 240)
 
 
 @pytest.mark.parametrize("fields", [{"hold_steps": 0}, {"delay_steps": -1}, {"begun_ns": -1}])

@@ -1,0 +1,244 @@
+"""`hld review`: what people still have to settle, and what they say to it.
+
+Opens the SQLite store beside a learner that may be running; what is settled counts from the next
+round on.
+"""
+
+import json
+import time
+from contextlib import closing
+from pathlib import Path
+from typing import Annotated, Any, NoReturn, Optional
+
+import typer
+from pydantic import ValidationError
+from rich import box
+from rich.console import Console
+from rich.table import Table
+
+from services.learner.aggregate import LabelSettings
+from services.learner.kept import Data, Report, find_folder, open_store, write_report
+from services.learner.review import Contradiction, Meaning, Review, review
+from services.learner.store.store import History, Kept, Manifest, Store
+from shared.config import exit_misconfigured
+from shared.errors import ConfigError, nearest
+from shared.messages.correction import Correction, Kind
+from shared.messages.message import new_id
+from shared.messages.ruling import Ruling, Verb
+from shared.service import run_app
+
+SCHEMA = 1
+Author = Annotated[str, typer.Option(help="who says so")]
+Reason = Annotated[str, typer.Option(help="why, for those who ask later")]
+LowLevelFolder = Annotated[
+    Optional[Path], typer.Option(help="checkpoint whose reader tells what phrases mean")
+]
+app = typer.Typer(add_completion=False, no_args_is_help=True)
+
+
+@app.callback()
+def _review() -> None:
+    """Contradictions between people, and phrases that may mean the same."""
+
+
+@app.command("list")
+def list_open(
+    data: Data = Path("runs/up"), report: Report = None, low_level: LowLevelFolder = None
+) -> None:
+    """All that is open: who contradicts whom, and which phrases seem to be known commands."""
+    settings = _label_settings(data)
+    with closing(open_store(data, "review")) as store:
+        history, first = _everything(store), store.version(0)
+    found = review(history, settings, first.bank if first else (), _reader(low_level))
+    write_report(report, _told(found))
+    console = Console(markup=False)
+    console.print(_contradictions(found), _wordings(found))
+    console.print(f"faults laid on the hand, for the low level: {found.faults}")
+
+
+@app.command()
+def alias(
+    phrase: Annotated[str, typer.Argument(help="what was said")],
+    means: Annotated[str, typer.Argument(help="what labels are to say instead")],
+    data: Data = Path("runs/up"),
+    author: Author = "person",
+    reason: Reason = "",
+) -> None:
+    """PHRASE is another wording of MEANS, in all labels from the next round on."""
+    _rule(data, Verb.ALIAS, phrase, means, author, reason)
+
+
+@app.command()
+def distinct(
+    phrase: Annotated[str, typer.Argument(help="what was said")],
+    means: Annotated[str, typer.Argument(help="what it does not mean")],
+    data: Data = Path("runs/up"),
+    author: Author = "person",
+    reason: Reason = "",
+) -> None:
+    """PHRASE doesn't mean MEANS, and is not to be asked about again."""
+    _rule(data, Verb.DISTINCT, phrase, means, author, reason)
+
+
+@app.command()
+def settle(
+    which: Annotated[str, typer.Argument(help="number in `hld review list`, or an episode")],
+    keep: Annotated[str, typer.Option(help="the correction that was right")],
+    data: Data = Path("runs/up"),
+    author: Author = "person",
+    reason: Reason = "",
+) -> None:
+    """Take back whatever contradicts one correction."""
+    settings = _label_settings(data)
+    with closing(open_store(data, "review")) as store:
+        history = _everything(store)
+        found = review(history, settings, (), lambda _: None).contradictions
+        wrong = _contradicting(found, which, keep)
+        for said in history.corrections:
+            if said.id in wrong:
+                _add(store, _retraction(said, author, reason or f"{keep} was right"))
+                Console(markup=False).print(f"taken back: {said.id} of {said.author}")
+
+
+def _contradicting(found: tuple[Contradiction, ...], which: str, keep: str) -> set[str]:
+    """The corrections that contradict `keep` where `which` says."""
+    if which.isdecimal():
+        chosen = found[int(which) - 1 : int(which)] if int(which) else ()
+    else:
+        chosen = tuple(one for one in found if one.episode == which)
+    if not chosen:
+        episodes = sorted({one.episode for one in found})
+        known = (
+            f"there are 1 to {len(found)}, in {', '.join(episodes)}" if found else "none is open"
+        )
+        exit_misconfigured("review", ConfigError(f"no contradiction {which}; {known}"))
+    pairs = [{one.one.correction, one.other.correction} for one in chosen]
+    wrong = {id_ for pair in pairs if keep in pair for id_ in pair - {keep}}
+    if not wrong:
+        hint = nearest(keep, sorted(set().union(*pairs)))
+        exit_misconfigured("review", ConfigError(f"{keep} is in no contradiction {which}{hint}"))
+    return wrong
+
+
+def _retraction(said: Correction, author: str, reason: str) -> Correction:
+    now_ns = time.time_ns()
+    try:
+        return Correction(
+            id=new_id("say"),
+            robot=said.robot,
+            episode=said.episode,
+            kind=Kind.RETRACT,
+            author=author,
+            target=said.id,
+            begun_ns=now_ns,
+            created_ns=now_ns,
+            note=reason,
+        )
+    except ValidationError as error:
+        _exit_invalid(error)
+
+
+def _rule(data: Path, verb: Verb, phrase: str, means: str, author: str, reason: str) -> None:
+    try:
+        ruling = Ruling(
+            id=new_id("rule"),
+            verb=verb,
+            author=author,
+            phrase=phrase,
+            means=means,
+            reason=reason,
+            created_ns=time.time_ns(),
+        )
+    except ValidationError as error:
+        _exit_invalid(error)
+    with closing(open_store(data, "review")) as store:
+        _add(store, ruling)
+
+
+def _exit_invalid(error: ValidationError) -> NoReturn:
+    first = error.errors(include_url=False)[0]
+    place = ".".join(map(str, first["loc"]))
+    exit_misconfigured("review", ConfigError(f"{place}: {first['msg']}".removeprefix(": ")))
+
+
+def _add(store: Store, message: Kept) -> None:
+    store.add(message, time.time_ns())
+
+
+def _everything(store: Store) -> History:
+    return store.history(Manifest(marks=store.survey(Manifest()).marks))
+
+
+def _label_settings(data: Path) -> LabelSettings:
+    """As the learner of this run has them; the defaults, where it wrote none down."""
+    file = find_folder(data, "review") / "settings.json"
+    stored = json.loads(file.read_text()) if file.is_file() else {}
+    return LabelSettings.model_validate(stored.get("labels", {}))
+
+
+def _reader(folder: Path | None) -> Meaning:
+    """What the low level takes phrases for, with everything there that a scene can have.
+
+    Its reader and not the likeness of sentences: to that, the ham and the cheese are neighbours.
+    """
+    import numpy as np  # Here, and torch with it, so that only the list waits for them.
+
+    from shared.messages.goal import LanguageGoal
+    from shared.policies.checkpoint import bundled
+    from shared.policies.low_level import LowLevel
+    from shared.policies.wishes import SLOTS
+
+    low_level = LowLevel.load(folder or bundled("low_level"))
+    everything = np.ones((SLOTS, 9), np.float32)
+    return lambda phrase: low_level.meaning(LanguageGoal(text=phrase), everything)
+
+
+def _told(found: Review) -> dict[str, Any]:
+    return {
+        "schema": SCHEMA,
+        "contradictions": [
+            {
+                "number": number,
+                "episode": one.episode,
+                "steps": list(one.steps),
+                "decisions": list(one.decisions),
+                "said": [
+                    {"author": said.author, "correction": said.correction, "text": said.text}
+                    for said in (one.one, one.other)
+                ],
+            }
+            for number, one in enumerate(found.contradictions, start=1)
+        ],
+        "wordings": [wording._asdict() for wording in found.wordings],
+        "faults": found.faults,
+    }
+
+
+def _contradictions(found: Review) -> Table | str:
+    """It fits into 80 columns; which decisions they are about stands in the report."""
+    if not found.contradictions:
+        return "nobody contradicts anybody"
+    table = Table(box=box.SIMPLE)
+    for name in ("", "who", "correction"):
+        table.add_column(name, no_wrap=True)
+    table.add_column("says")
+    for number, one in enumerate(found.contradictions, start=1):
+        first, last = one.steps
+        where = f"steps {first} to {last}" if last > first else f"step {first}"
+        table.add_row(str(number), "", one.episode, where)
+        for said in (one.one, one.other):
+            table.add_row("", said.author[:16], said.correction, said.text)
+    return table
+
+
+def _wordings(found: Review) -> Table | str:
+    if not found.wordings:
+        return "no phrase seems to be another wording of a command"
+    table = Table("said", "times", "seems to mean", box=box.SIMPLE)
+    for wording in found.wordings:
+        table.add_row(wording.phrase, str(wording.times), wording.means)
+    return table
+
+
+if __name__ == "__main__":
+    run_app(app)
