@@ -36,7 +36,8 @@ class LabelSettings(Settings):
         began to speak, in which nothing is a target that nobody judged: it may already have been
         wrong.
     before: what becomes of those decisions, up to the step at which the override took effect.
-        mask: no label; relabel: the override's goal, with `before_weight`.
+        mask: no label; relabel: the override's goal, with `before_weight`; keep: whatever was in
+        force, which is there to be compared with.
     control_hz: control steps a second of robots in real time, to tell what was current when a
         person began to speak.
     anticipate_steps: a decision is labelled with what was in force, or should have been, so many
@@ -48,7 +49,7 @@ class LabelSettings(Settings):
     """
 
     before_steps: Annotated[int, Field(ge=0, le=10_000)] = 25
-    before: Literal["mask", "relabel"] = "mask"
+    before: Literal["mask", "relabel", "keep"] = "mask"
     before_weight: Annotated[float, Field(gt=0, le=10)] = 0.5
     control_hz: Annotated[float, Field(gt=0, le=1000)] = 50.0
     anticipate_steps: Annotated[int, Field(ge=0, le=1_000)] = 0
@@ -214,7 +215,8 @@ class _Judge:
 
     def _held(self, step: int) -> _Said | None:
         """The override that was in force, or by setting the one on its way."""
-        if coming := self._course.coming(step):
+        coming = self._course.coming(step) if self._settings.before != "keep" else []
+        if coming:
             obeyed = [before.word for before in coming if before.obeyed]
             word = min(obeyed, key=lambda word: (word.begin, word.order), default=None)
             if self._settings.before == "mask" or word is None:

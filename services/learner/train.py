@@ -77,7 +77,7 @@ def fine_tune(
         progress(step / steps)
         return True
 
-    settings = _fit_settings(recipe.train, round_.seed)
+    settings = fit_settings(recipe.train, round_.seed)
     replay = demonstrations.take(replayed)
     report = fit(policy.net, bank, replay, said, settings, told, kept=under_way)
     policy = HighLevel(policy.net, bank, policy.version)
@@ -109,7 +109,8 @@ def _record(store: Store, number: int) -> PolicyRecord:
     return record
 
 
-def _fit_settings(settings: TrainSettings, seed: int) -> FitSettings:
+def fit_settings(settings: TrainSettings, seed: int) -> FitSettings:
+    """What a fit is told of a round's settings."""
     return FitSettings(
         steps=settings.steps,
         batch=settings.batch,

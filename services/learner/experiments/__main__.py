@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Optional
 
 import typer
 from rich.console import Console
@@ -41,17 +41,26 @@ class Bars:
 def main(
     name: Annotated[str, typer.Argument(help=f"one of {', '.join(EXPERIMENTS)}")],
     out: Annotated[
-        Path, typer.Option(file_okay=False, help="folder of rows and report; resumed if there")
-    ],
+        Optional[Path],
+        typer.Option(file_okay=False, help="rows and report, resumed if there; runs/NAME"),
+    ] = None,
     scale: Annotated[str, typer.Option(help="small: a minute, to try it; full: to learn")] = "full",
     seeds: Annotated[str, typer.Option(help="A:B, from the first evaluation seed")] = "",
     n: Annotated[int, typer.Option(min=0, help="short for --seeds 0:N")] = 0,
-    site: Annotated[str, typer.Option(help="settings file of the cell")] = "lab",
+    site: Annotated[str, typer.Option(help="settings file of the cell; lab, dagger: far")] = "",
     high_level: Annotated[
         str,
         typer.Option(help="base, a version, or a checkpoint folder, for horizon and transitions"),
     ] = "base",
     low_level: Annotated[str, typer.Option(help="checkpoint folder; the bundled one")] = "",
+    baselines: Annotated[
+        Optional[Path],
+        typer.Option(file_okay=False, help="a run of the baselines, whose flat arm dagger tries"),
+    ] = None,
+    report_: Annotated[
+        Optional[Path],
+        typer.Option("--report", dir_okay=False, help="write report.json here, too"),
+    ] = None,
     data: Annotated[Path, typer.Option(help="the run whose versions are meant")] = Path("runs/up"),
     processes: Annotated[int, typer.Option(min=0, help="0: one a core")] = 0,
 ) -> None:
@@ -59,6 +68,7 @@ def main(
 
     Ctrl-C stops; the same command goes on with what is missing.
     """
+    out = out or Path("runs") / name
     try:
         experiment = experiment_named(name)
         if scale not in SCALES:
@@ -66,6 +76,7 @@ def main(
         some = experiment.small if scale == "small" else experiment.full
         wanted = parse_seeds(seeds or f"0:{n or some}")
         learned = find_high_level(high_level, data) if experiment.learned else ORACLE
+        site = site or experiment.site
         plan = Plan(high_level=learned, low_level=low_level, site=site, seeds=wanted)
         plan.check()
     except HldError as error:
@@ -96,7 +107,7 @@ def main(
         ):
             bars = Bars(progress)
             small = scale == "small"
-            bench = Bench(out, pool, bars, wanted, small, site, learned, low_level)
+            bench = Bench(out, pool, bars, wanted, small, site, learned, low_level, baselines)
             findings = experiment.run(bench)
     except KeyboardInterrupt:
         console.print(f"stopped; the same command goes on in {out}", markup=False)
@@ -105,6 +116,9 @@ def main(
         print(f"experiment: {error}", file=sys.stderr)
         raise typer.Exit(1) from None
     report.write(out, findings, about)
+    if report_:
+        report_.parent.mkdir(parents=True, exist_ok=True)
+        report_.write_text((out / "report.json").read_text())
     console.print(f"report: {out / 'report.md'}", markup=False)
 
 

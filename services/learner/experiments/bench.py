@@ -34,6 +34,7 @@ class Bench:
     seeds: from A up to B, as in `Plan`; the scenes of each cell of a table.
     small: to try it, rather than to learn from it.
     high_level: the learned one, as `Plan` takes it. low_level: checkpoint folder, as there.
+    baselines: folder of a run of the baselines, where there is one to be compared with.
     """
 
     out: Path
@@ -44,6 +45,7 @@ class Bench:
     site: str = "lab"
     high_level: str = "base"
     low_level: str = ""
+    baselines: Path | None = None
 
     @property
     def n(self) -> int:

@@ -182,14 +182,17 @@ def episode(
     low_level: LowLevel | None = None,
     driver: HighLevel | None = None,
     expected: Callable[[str, NDArray[np.float64]], None] | None = None,
+    drawn: bool = True,
 ) -> None:
     """One episode into the record.
 
+    drawn: its wish as demonstrations in the lab have them; else as the site's people wish.
     expected: told before each control step of the command in force and of the action [14] that the
     expert wants for it, before any noise; never where a low level moves the arms.
     """
     rng = np.random.default_rng([seed, 1])
-    env.draw = draw(rng)
+    if drawn:
+        env.draw = draw(rng)
     env.reset(seed=seed)
     commander = TaskCommander(env.brief, env.task, rng, lesson.mistakes)
     hand, noise, said = Hand(low_level) if low_level else None, Noise(rng), [""][:0]

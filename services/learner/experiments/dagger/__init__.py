@@ -1,1 +1,20 @@
 """`hld experiment dagger`: do corrections help, how much, and is it the corrections?"""
+
+from contextlib import closing
+
+from services.learner.experiments.bench import Bench
+from services.learner.experiments.dagger.report import findings
+from services.learner.experiments.dagger.run import Run, teaching_of
+from services.learner.experiments.dagger.scale import FULL, SMALL, DaggerSettings
+from services.learner.experiments.findings import Findings
+
+
+def run(bench: Bench) -> Findings:
+    """Rounds under a scripted person, and everything that they are compared with."""
+    return compare(bench, SMALL if bench.small else FULL)
+
+
+def compare(bench: Bench, settings: DaggerSettings) -> Findings:
+    """The same of any settings."""
+    with closing(Run(bench, teaching_of(bench, settings))) as work:
+        return findings(settings, work.go(), bench.site)

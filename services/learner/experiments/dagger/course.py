@@ -4,7 +4,9 @@ of it; kept in a learner's store, so that what was done is not done again.
 
 from collections.abc import Iterable
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+from numpy.typing import NDArray
 
 from services.learner.aggregate import Label, derive
 from services.learner.build import STORE_FILE, origin
@@ -15,10 +17,10 @@ from services.learner.rounds import next_manifest, take_stock
 from services.learner.shelf import Shelf
 from services.learner.store.sql import SqlStore, sqlite_url
 from services.learner.store.store import Manifest, PolicyRecord, Round, RoundState
-from services.learner.store.tensors import TensorFiles
+from services.learner.store.tensors import TensorFiles, unpack
 from shared.messages.correction import Correction, Kind
 from shared.messages.episode import Episode
-from shared.messages.policy import Version
+from shared.messages.policy import TensorRef, Version
 from shared.seeds import collection_seed
 
 EPOCH = 1
@@ -48,8 +50,8 @@ class Course:
         folder.mkdir(parents=True, exist_ok=True)
         self.folder, self.seed = folder, seed
         self._low_level_sha256 = low_level_sha256
-        self._files = TensorFiles(folder / "tensors")
-        self._shelf = Shelf(folder / "versions", self._files)
+        self.files = TensorFiles(folder / "tensors")
+        self._shelf = Shelf(folder / "versions", self.files)
         self.store = SqlStore(sqlite_url((folder / STORE_FILE).absolute()))
         if self.store.epoch() == 0:
             self.store.take_over("experiment", 0)
@@ -61,7 +63,7 @@ class Course:
     def found(self, base: Path | None) -> None:
         """Begin with a checkpoint; None: the bundled one."""
         if self.store.version() is None:
-            record = origin(base, self._files, self._low_level_sha256, 0)
+            record = origin(base, self.files, self._low_level_sha256, 0)
             self.store.found(record.model_copy(update={"epoch": EPOCH}))
 
     def version(self, number: int) -> Path:
@@ -70,6 +72,10 @@ class Course:
         assert record is not None  # Whoever asks has made it.
         made_by = (one for one in self.store.rounds() if one.made == number)
         return self._shelf.put(record, next(made_by, None))
+
+    def tensor(self, ref: TensorRef) -> NDArray[Any]:
+        """A tensor that a training made."""
+        return unpack(ref, self.files.get(ref.sha256))
 
     # -- collecting
 

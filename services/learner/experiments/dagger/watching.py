@@ -15,8 +15,9 @@ from pydantic import Field
 
 from shared.clock import ManualClock
 from shared.config import Settings
+from shared.evaluation.attempts import Row
 from shared.evaluation.episode import Levels, levels_of
-from shared.evaluation.plan import Plan
+from shared.evaluation.plan import Case, Plan
 from shared.messages.correction import Correction, Kind
 from shared.messages.decision import Decision
 from shared.messages.episode import Episode, Outcome
@@ -142,6 +143,20 @@ class Watcher:
             tuple(messages),
         )
 
+    def live(self, case: Case) -> Row:
+        """The same as an evaluation keeps it."""
+        watched = self(Turn(case.seed, case.task, f"live-{case.seed}"))
+        return Row(
+            seed=case.seed,
+            task=case.task,
+            prompt=watched.prompt,
+            success=watched.success,
+            steps=watched.steps,
+            decisions=watched.decisions,
+            asked=watched.said,
+            low_level_sha256=self._levels.low.sha256,
+        )
+
     def _judge(
         self, rollout: Rollout, decision: Decision, said: Counter[str]
     ) -> Iterator[Correction | Receipt]:
@@ -183,3 +198,18 @@ class Watcher:
     def close(self) -> None:
         """Give the cell back."""
         self._station.close()
+
+
+class Live:
+    """Episodes of an evaluation in which the person corrects all along."""
+
+    def __init__(self, shift: Shift) -> None:
+        self._watcher = Watcher(shift)
+
+    def __call__(self, case: Case) -> Row:
+        """Roll out one episode; `asked` of its row counts what was said."""
+        return self._watcher.live(case)
+
+    def close(self) -> None:
+        """Give the cell back."""
+        self._watcher.close()

@@ -1,0 +1,161 @@
+"""Rounds under a scripted person: what is collected, what the arms learn, what is told of it."""
+
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from services.learner.aggregate import Ground, Label
+from services.learner.experiments.bench import Bench
+from services.learner.experiments.dagger import compare
+from services.learner.experiments.dagger.course import Course
+from services.learner.experiments.dagger.lessons import Treatment, place_of
+from services.learner.experiments.dagger.report import gap_closed
+from services.learner.experiments.dagger.scale import ARMS, FULL, MAIN, SMALL, DaggerSettings
+from services.learner.experiments.dagger.watching import Person, Shift, Turn, Watcher
+from services.learner.experiments.report import describe
+from shared.evaluation.attempts import Row
+from shared.evaluation.plan import Plan
+from shared.messages.correction import Correction, Kind
+from shared.messages.decision import Decision
+from shared.messages.episode import Episode
+from shared.policies.checkpoint import bundled, load_card
+from shared.rollout.settings import RolloutSettings
+from shared.seeds import COLLECTION
+from tests.unit.experiments.bench import Here, untold
+
+LOW = load_card(bundled("low_level")).tensors_sha256
+SHORT = RolloutSettings(max_steps=80)
+TURN = Turn(COLLECTION.start + 3, "sandwich", "r1-e0")
+
+
+def watch(person: Person, turn: Turn = TURN) -> Any:
+    with closing(Watcher(Shift(plan=Plan(site="far", rollout=SHORT), person=person))) as watcher:
+        return watcher(turn)
+
+
+def test_a_person_who_speaks_only_against_mistakes_sends_what_a_robot_and_the_api_would() -> None:
+    watched = watch(Person())
+    decisions = [one for one in watched.messages if isinstance(one, Decision)]
+    corrections = [one for one in watched.messages if isinstance(one, Correction)]
+    assert [one.index for one in decisions] == list(range(4))
+    assert isinstance(watched.messages[-1], Episode)
+    assert {one.kind for one in corrections} <= {Kind.OVERRIDE, Kind.RELEASE}
+    assert watched.said["override"] == watched.messages[-1].corrections > 0
+    assert watch(Person()).messages[-1] == watched.messages[-1]
+
+
+def test_a_late_person_is_obeyed_later_and_one_who_never_looks_says_nothing() -> None:
+    receipts = [one for one in watch(Person(delay_steps=25)).messages if hasattr(one, "accepted")]
+    assert receipts[0].step == 25
+    assert not watch(Person(miss_rate=1.0)).said.get("override")
+
+
+def test_a_course_keeps_an_episode_once_and_knows_what_is_missing(tmp_path: Path) -> None:
+    with closing(Course(tmp_path / "course", LOW, 0)) as course:
+        course.found(None)
+        turns = course.missing(1, 2, ("sandwich", "pack"))
+        assert [(turn.task, turn.episode) for turn in turns] == [
+            ("sandwich", "r1-e0"),
+            ("pack", "r1-e1"),
+        ]
+        course.add(watch(Person(), turns[0]))
+        course.add(watch(Person(), turns[0]))
+        assert course.missing(1, 2, ("sandwich", "pack")) == turns[1:]
+    with closing(Course(tmp_path / "course", LOW, 0)) as course:
+        round_ = course.begin(1, SMALL.recipe)
+        assert round_ is not None
+        assert course.begin(1, SMALL.recipe) == round_
+        effort = course.effort(1)
+        assert (effort.episodes, effort.decisions) == (1, 4)
+        labels = course.labels(1)
+        assert {label.ground for label in labels} <= {
+            Ground.OBJECTED,
+            Ground.HELD,
+            Ground.RELEASED,
+        }
+        assert len(labels) >= effort.overrides > 0
+
+
+def labels() -> list[Label]:
+    return [
+        Label(f"r{r}-e{e}-0", f"r{r}-e{e}", f"text {r} {e}", 1.0, Ground.HELD, "c")
+        for r in (1, 2, 3)
+        for e in range(8)
+    ]
+
+
+def test_shuffled_labels_keep_their_words_and_their_weights_but_not_their_places() -> None:
+    settings = SMALL.model_copy(update={"episodes": 8})
+    shuffled = Treatment(ARMS["shuffled"], settings, 0)(labels())
+    assert sorted(label.text for label in shuffled) == sorted(label.text for label in labels())
+    assert [label.decision for label in shuffled] == [label.decision for label in labels()]
+    moved = [mine.text != its.text for mine, its in zip(shuffled, labels(), strict=True)]
+    assert sum(moved) > 18
+
+
+def test_an_arm_sees_its_last_round_or_its_first_episodes_alone() -> None:
+    settings = SMALL.model_copy(update={"episodes": 8})
+    last = Treatment(ARMS["last"], settings, 0)(labels())
+    assert {place_of(label.episode)[0] for label in last} == {3}
+    first = Treatment(ARMS["episodes-0.25"], settings, 0)(labels())
+    assert {place_of(label.episode) for label in first} == {
+        (r, e) for r in (1, 2, 3) for e in (0, 1)
+    }
+
+
+def rows(wins: list[bool]) -> list[Row]:
+    return [
+        Row(seed=seed, task="pack", prompt=f"{seed}", success=won, steps=3, decisions=2,
+            low_level_sha256="a")
+        for seed, won in enumerate(wins)
+    ]  # fmt: skip
+
+
+def test_the_gap_is_what_lies_between_base_and_oracle() -> None:
+    by_arm = {
+        "base": [rows([True] * 2 + [False] * 18)],
+        "oracle": [rows([True] * 20)],
+        f"{MAIN}, round 1": [rows([True] * 11 + [False] * 9), rows([True] * 11 + [False] * 9)],
+    }
+    found = gap_closed(by_arm, 1)
+    assert found["value"] == pytest.approx(0.5)
+    low, high = found["interval"]
+    assert 0.2 < low < 0.5 < high < 0.8
+    assert gap_closed({**by_arm, "oracle": by_arm["base"]}, 1)["value"] is None
+
+
+def test_every_arm_that_the_full_run_names_has_its_person_in_it() -> None:
+    assert {ARMS[name].person for name in FULL.arms} <= set(FULL.people)
+    assert set(SMALL.arms) <= set(FULL.arms)
+
+
+@pytest.mark.timeout(300)
+def test_all_of_it_in_small_and_again_without_doing_anything_twice(tmp_path: Path) -> None:
+    train = SMALL.recipe.train.model_copy(update={"steps": 2, "batch": 4})
+    settings = DaggerSettings(
+        episodes=1,
+        rounds=1,
+        seeds=1,
+        people=(MAIN,),
+        arms=("shuffled", "lab"),
+        recipe=SMALL.recipe.model_copy(update={"train": train}),
+    )
+    pool = Here()
+    bench = Bench(tmp_path, pool, untold, (3, 4), small=True, site="far")
+    told = compare(bench, settings)
+    figures = told.figures
+    assert set(figures["arms"]) == {
+        "base", "oracle", "live", f"{MAIN}, round 1", "shuffled", "lab",
+    }  # fmt: skip
+    assert all(found["n"] == 1 for found in figures["arms"].values())
+    assert figures["corrections_share"]["value"] > 0
+    assert figures["teleoperation"]["lab"]["decisions"] > 0
+    assert figures["retention"]["before"]["n"] == 1
+    about = {"command": "c", "date": "d", "site": "far", "low_level_sha256": LOW,
+             "high_level": None, "high_level_sha256": None}  # fmt: skip
+    assert "as many demonstrations in the lab" in describe(told, about, ["dagger.svg"])
+    done = pool.jobs
+    assert compare(bench, settings).figures == figures
+    assert pool.jobs == done
