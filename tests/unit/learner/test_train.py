@@ -123,6 +123,30 @@ def test_the_same_manifest_and_seed_make_the_same_candidate_to_the_bit(workshop:
     assert workshop.train(workshop.round(seed=2)).tensors != first.tensors
 
 
+def test_a_training_that_was_cut_off_goes_on_and_makes_the_same_candidate(
+    workshop: Workshop, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("shared.policies.fit.KEPT_UPDATES", 3)
+    workshop.happens("e-1", HAM)
+    round_, kept = workshop.round(steps=8), tmp_path / "under-way.safetensors"
+    whole = workshop.train(round_)
+    told: list[float] = []
+
+    def cut_off(share: float) -> None:
+        told.append(share)
+        if share > 0.5:
+            raise InterruptedError
+
+    made = (round_, workshop.store, workshop.files, workshop.demonstrations)
+    with pytest.raises(InterruptedError):
+        fine_tune(*made, cut_off, kept)
+    told.clear()
+    again = fine_tune(*made, told.append, kept)
+    assert told[0] == pytest.approx(4 / 8)  # The first three updates are not made again.
+    assert again.tensors == whole.tensors
+    assert again.figures.loss == pytest.approx(whole.figures.loss)
+
+
 def test_every_round_learns_from_the_corrections_of_all_rounds(workshop: Workshop) -> None:
     workshop.happens("e-1", HAM)
     assert workshop.train(workshop.round()).figures.labels == 1
