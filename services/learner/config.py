@@ -5,9 +5,9 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from services.learner.aggregate import LabelSettings
-from services.learner.balance import BalanceSettings
 from services.learner.gate import GateSettings
+from services.learner.labels.aggregate import LabelSettings
+from services.learner.labels.balance import BalanceSettings
 from services.learner.rounds import RoundSettings
 from shared.config import Settings
 from shared.messages.message import Id
@@ -25,7 +25,7 @@ class TrainSettings(Settings):
     """
 
     start: Literal["in-force", "base"] = "in-force"
-    steps: Annotated[int, Field(ge=1, le=1_000_000)] = 400
+    steps: Annotated[int, Field(ge=1, le=1_000_000)] = 200
     batch: Annotated[int, Field(ge=2, le=4096)] = 64
     lr: Annotated[float, Field(gt=0, le=1)] = 1e-3
     frozen_encoder: bool = False

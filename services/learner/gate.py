@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field
 
-from services.learner.aggregate import Label
 from services.learner.canary import CanarySettings
+from services.learner.labels.aggregate import Label
 from services.learner.trials import Trials, TrialSettings, compare
 from shared.config import Settings
 from shared.errors import RefusedError

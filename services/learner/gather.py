@@ -10,9 +10,9 @@ from contextlib import suppress
 import numpy as np
 from numpy.typing import NDArray
 
-from services.learner.aggregate import Label
+from services.learner.labels.aggregate import Label
+from services.learner.labels.spell import Spelling, canonical
 from services.learner.publish import announcement
-from services.learner.spell import Spelling, canonical
 from services.learner.store.store import PolicyRecord, Store
 from services.learner.store.tensors import TensorFiles, unpack
 from shared.errors import RefusedError

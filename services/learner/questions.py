@@ -16,9 +16,9 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from services.learner.aggregate import LabelSettings
 from services.learner.kept import Data, Report, find_folder, open_store, write_report
-from services.learner.review import Contradiction, Meaning, Review, review
+from services.learner.labels.aggregate import LabelSettings
+from services.learner.labels.review import Contradiction, Meaning, Review, review
 from services.learner.store.store import History, Kept, Manifest, Store
 from shared.config import exit_misconfigured
 from shared.errors import ConfigError, nearest

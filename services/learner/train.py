@@ -15,13 +15,13 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from services.learner.aggregate import Label, derive, sha256_labels
-from services.learner.balance import balance
 from services.learner.config import Recipe, TrainSettings
 from services.learner.gate import Candidate, Figures, keep_aside, split
 from services.learner.gather import agreement, gather, grow, known, open_version
+from services.learner.labels.aggregate import Label, derive, sha256_labels
+from services.learner.labels.balance import balance
+from services.learner.labels.spell import spelling
 from services.learner.process import Job, Report
-from services.learner.spell import spelling
 from services.learner.store.sql import SqlStore
 from services.learner.store.store import PolicyRecord, Round, Store
 from services.learner.store.tensors import TensorFiles

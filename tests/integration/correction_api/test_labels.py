@@ -8,9 +8,9 @@ from typing import Any
 import httpx
 import pytest
 
-from services.learner.account import faults
-from services.learner.aggregate import LabelSettings, derive
 from services.learner.collect import Collector
+from services.learner.labels.account import faults
+from services.learner.labels.aggregate import LabelSettings, derive
 from services.learner.store.sql import SqlStore, sqlite_url
 from services.learner.store.store import History, Manifest
 from shared.clock import SystemClock

@@ -6,15 +6,15 @@ from typing import Any
 
 import pytest
 
-from services.learner.aggregate import Ground, Label
 from services.learner.experiments.bench import Bench
 from services.learner.experiments.dagger import compare
 from services.learner.experiments.dagger.course import Course
+from services.learner.experiments.dagger.figures import gap_closed
 from services.learner.experiments.dagger.lessons import Treatment, place_of
-from services.learner.experiments.dagger.report import gap_closed
 from services.learner.experiments.dagger.scale import ARMS, FULL, MAIN, SMALL, DaggerSettings
 from services.learner.experiments.dagger.watching import Person, Shift, Turn, Watcher
 from services.learner.experiments.report import describe
+from services.learner.labels.aggregate import Ground, Label
 from shared.evaluation.attempts import Row
 from shared.evaluation.plan import Plan
 from shared.messages.correction import Correction, Kind

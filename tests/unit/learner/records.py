@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from services.learner.aggregate import Label, LabelSettings, derive
+from services.learner.labels.aggregate import Label, LabelSettings, derive
 from services.learner.store.memory import head_of
 from services.learner.store.store import History
 from shared.messages.correction import Correction, Kind

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from services.learner.account import faults
-from services.learner.aggregate import Ground, Label, LabelSettings, derive
+from services.learner.labels.account import faults
+from services.learner.labels.aggregate import Ground, Label, LabelSettings, derive
 from shared.messages.correction import Correction, Kind
 from shared.messages.receipt import Receipt
 from tests.unit.learner.records import (

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from services.learner.aggregate import Ground, Label
-from services.learner.balance import BalanceSettings, balance
+from services.learner.labels.aggregate import Ground, Label
+from services.learner.labels.balance import BalanceSettings, balance
 
 
 def label(number: int, text: str, correction: str, weight: float = 1.0) -> Label:

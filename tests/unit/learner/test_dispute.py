@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from services.learner.aggregate import LabelSettings, disputes
+from services.learner.labels.aggregate import LabelSettings, disputes
 from tests.unit.learner.records import (
     HAM,
     TOAST,

@@ -2,8 +2,8 @@
 
 import pytest
 
-from services.learner.aggregate import Ground, Label
 from services.learner.gate import Candidate, Figures, GateSettings, LabelGate, keep_aside, split
+from services.learner.labels.aggregate import Ground, Label
 from tests.unit.learner.test_learner_store import REF
 
 

@@ -5,8 +5,8 @@ import random
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from services.learner.aggregate import LabelSettings, derive
-from services.learner.spell import canonical
+from services.learner.labels.aggregate import LabelSettings, derive
+from services.learner.labels.spell import canonical
 from services.learner.store.memory import MemoryStore
 from services.learner.store.store import Manifest
 from services.learner.train import gather

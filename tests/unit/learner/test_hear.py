@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from services.learner.hear import Word, onset
+from services.learner.labels.hear import Word, onset
 from services.learner.store.memory import head_of
 from shared.messages.decision import Decision
 from tests.unit.learner.records import HAM, correction, decision, labels_of, receipt, texts

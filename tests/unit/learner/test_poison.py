@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 import torch
 
-from services.learner.aggregate import Label
 from services.learner.build import origin
 from services.learner.config import Recipe
 from services.learner.gate import Candidate, GateSettings, LabelGate
+from services.learner.labels.aggregate import Label
 from services.learner.store.memory import MemoryStore
 from services.learner.store.store import Manifest, PolicyRecord, Round, RoundState
 from services.learner.store.tensors import TensorFiles

@@ -8,9 +8,9 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-from services.learner.aggregate import LabelSettings, derive
+from services.learner.labels.aggregate import LabelSettings, derive
+from services.learner.labels.review import Review, review
 from services.learner.questions import app
-from services.learner.review import Review, review
 from services.learner.store.sql import SqlStore, sqlite_url
 from services.learner.store.store import Manifest
 from shared.messages.correction import Kind

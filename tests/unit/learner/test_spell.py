@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from services.learner.spell import canonical, spelling
+from services.learner.labels.spell import canonical, spelling
 from shared.messages.ruling import Ruling
 from tests.unit.learner.records import CHEESE, HAM, TOAST, correction, every_20, labels_of, receipt
 from tests.unit.learner.records import ruling as ruled

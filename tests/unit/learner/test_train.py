@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 import torch
 
-from services.learner.aggregate import Ground, Label, LabelSettings, derive
 from services.learner.build import origin
 from services.learner.config import Recipe
 from services.learner.frozen import FrozenLowLevel
 from services.learner.gate import Candidate, keep_aside
 from services.learner.gather import gather, grow, open_version
+from services.learner.labels.aggregate import Ground, Label, LabelSettings, derive
 from services.learner.store.memory import MemoryStore
 from services.learner.store.store import Manifest, Round, RoundState
 from services.learner.store.tensors import TensorFiles, unpack

@@ -8,11 +8,11 @@ from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
 
-from services.learner.aggregate import Label, derive
 from services.learner.build import STORE_FILE, origin
 from services.learner.config import Recipe
 from services.learner.experiments.dagger.watching import Turn, Watched
 from services.learner.gate import Candidate
+from services.learner.labels.aggregate import Label, derive
 from services.learner.rounds import next_manifest, take_stock
 from services.learner.shelf import Shelf
 from services.learner.store.sql import SqlStore, sqlite_url

@@ -10,11 +10,11 @@ import numpy as np
 import torch
 from pydantic import BaseModel, ConfigDict
 
-from services.learner.aggregate import Label
 from services.learner.experiments.dagger.course import Course, under_way
 from services.learner.experiments.dagger.scale import ARMS, Arm, DaggerSettings
 from services.learner.gate import Candidate
 from services.learner.gather import open_version
+from services.learner.labels.aggregate import Label
 from services.learner.pretrain import demonstrate
 from services.learner.pretrain.cards import today
 from services.learner.store.store import Round

@@ -5,11 +5,11 @@ from typing import Annotated, Literal, NamedTuple
 
 from pydantic import Field
 
-from services.learner.aggregate import LabelSettings
-from services.learner.balance import BalanceSettings
 from services.learner.config import Recipe, TrainSettings
 from services.learner.experiments.dagger.watching import Person
 from services.learner.gate import GateSettings
+from services.learner.labels.aggregate import LabelSettings
+from services.learner.labels.balance import BalanceSettings
 from shared.config import Settings
 
 Count = Annotated[int, Field(ge=1)]

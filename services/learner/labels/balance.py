@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from services.learner.aggregate import Label
+from services.learner.labels.aggregate import Label
 from shared.config import Settings
 
 

@@ -19,11 +19,11 @@ from typing import Annotated, Literal, NamedTuple
 
 from pydantic import Field
 
-from services.learner.account import Account, accounts
-from services.learner.amend import Standing
-from services.learner.dispute import Opinion, Opinions, later, text_of
-from services.learner.hear import Course, befores, holds, verdicts
-from services.learner.spell import Spelling, spelling
+from services.learner.labels.account import Account, accounts
+from services.learner.labels.amend import Standing
+from services.learner.labels.dispute import Opinion, Opinions, later, text_of
+from services.learner.labels.hear import Course, befores, holds, verdicts
+from services.learner.labels.spell import Spelling, spelling
 from services.learner.store.store import DecisionHead, History
 from shared.config import Settings
 from shared.messages.correction import Correction, Kind

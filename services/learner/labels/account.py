@@ -7,8 +7,8 @@ from collections import defaultdict
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from services.learner.amend import Standing, amended
-from services.learner.hear import Word, words
+from services.learner.labels.amend import Standing, amended
+from services.learner.labels.hear import Word, words
 from services.learner.store.store import DecisionHead, History
 from shared.messages.correction import Kind
 from shared.messages.episode import Episode

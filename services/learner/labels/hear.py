@@ -7,7 +7,7 @@ from bisect import bisect_right
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
-from services.learner.amend import Standing
+from services.learner.labels.amend import Standing
 from services.learner.store.store import DecisionHead
 from shared.messages.correction import Correction, Kind
 from shared.messages.receipt import Receipt

@@ -7,11 +7,11 @@ from collections import Counter
 from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
-from services.learner.account import accounts
-from services.learner.aggregate import Dispute, LabelSettings, disputes
-from services.learner.amend import amended
-from services.learner.dispute import Opinion
-from services.learner.spell import canonical, spelling
+from services.learner.labels.account import accounts
+from services.learner.labels.aggregate import Dispute, LabelSettings, disputes
+from services.learner.labels.amend import amended
+from services.learner.labels.dispute import Opinion
+from services.learner.labels.spell import canonical, spelling
 from services.learner.store.store import History
 from shared.messages.ruling import Verb
 

@@ -9,9 +9,9 @@ from enum import IntEnum
 from itertools import combinations
 from typing import NamedTuple
 
-from services.learner.account import Account
-from services.learner.hear import Course, Word, verdicts
-from services.learner.spell import Spelling
+from services.learner.labels.account import Account
+from services.learner.labels.hear import Course, Word, verdicts
+from services.learner.labels.spell import Spelling
 from services.learner.store.store import DecisionHead
 from shared.messages.correction import Correction, Kind
 
