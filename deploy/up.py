@@ -128,6 +128,7 @@ def start(plan: Plan, family: Family) -> None:
         "services.learner",
         *sets(data=str(data / "learner"), seed=plan.seed, **learner_rounds(plan), **bus),
         *learner_gate(plan),
+        *learner_labels(plan),
         *plan.sets_for("learner"),
     )
     family.add(
@@ -168,6 +169,16 @@ def learner_gate(plan: Plan) -> list[str]:
     )
     rollout = [part for part in plan.sets_for("actor") if part.startswith("rollout.")]
     return [*trials, *[word for part in rollout for word in ("--set", f"gate.trials.{part}")]]
+
+
+def learner_labels(plan: Plan) -> list[str]:
+    """A slow high level is to say sooner what was right later: as much as it is slow."""
+    slow = [part for part in plan.sets_for("actor") if part.startswith("rollout.latency_steps=")]
+    return [
+        word
+        for part in slow[-1:]
+        for word in ("--set", f"labels.anticipate_steps={part.partition('=')[2]}")
+    ]
 
 
 def evaluator_sets(plan: Plan) -> list[str]:

@@ -56,3 +56,12 @@ def test_the_options_of_hld_up_that_the_readme_shows_exist():
     shown = set(re.findall(r"(--[a-z-]+)", re.search(r"hld up (.*)", text).group(1)))
     result = CliRunner().invoke(app, ["up", "--help"], env={"COLUMNS": "200"})
     assert {option for option in shown if option not in result.output} == set()
+
+
+def test_the_tests_that_the_method_names_are_there():
+    method = (ROOT / "docs" / "method.md").read_text()
+    named = set(re.findall(r"`(test_\w+)`", method))
+    files = (ROOT / "tests").rglob("test_*.py")
+    there = {name for file in files for name in re.findall(r"def (test_\w+)", file.read_text())}
+    assert len(named) > 40
+    assert named <= there, f"docs/method.md names tests that are not there: {named - there}"

@@ -4,20 +4,26 @@ from pathlib import Path
 
 import pytest
 
-from deploy.up import Plan, actor_sets
+from deploy.up import Plan, actor_sets, evaluator_sets, learner_gate, learner_labels
 from services.actor.config import ActorSettings
+from services.learner.config import LearnerSettings
 from shared.config import load
 
 
 def settings(pace: str, *sets: str) -> ActorSettings:
     """Of the first robot's actor, as its process would read them."""
-    plan = Plan(
+    plan = planned(pace, *sets)
+    return load(ActorSettings, "actor", sets=actor_sets(plan, 0)[1::2], environment={})
+
+
+def planned(pace: str, *sets: str, gate: int = 0) -> Plan:
+    return Plan(
         oracle=pace == "lockstep",
         robots=2,
         rounds=0,
         episodes=0,
         evaluate=0,
-        gate=0,
+        gate=gate,
         report=None,
         site="far",
         tasks=("pack",),
@@ -29,7 +35,27 @@ def settings(pace: str, *sets: str) -> ActorSettings:
         fresh=False,
         sets=sets,
     )
-    return load(ActorSettings, "actor", sets=actor_sets(plan, 0)[1::2], environment={})
+
+
+def learner(told: list[str]) -> LearnerSettings:
+    """What its process would make of it."""
+    return load(LearnerSettings, "learner", sets=told[1::2], environment={})
+
+
+def test_labels_anticipate_as_much_as_the_robots_high_level_is_slow() -> None:
+    plan = planned("lockstep", "actor.rollout.latency_steps=30")
+    assert learner(learner_labels(plan)).labels.anticipate_steps == 30
+    assert learner_labels(planned("lockstep")) == []
+
+
+def test_candidates_are_tried_in_what_the_robots_do() -> None:
+    plan = planned("lockstep", "actor.rollout.hysteresis=0.1", "actor.low_level=x", gate=7)
+    trials = learner(learner_gate(plan)).gate.trials
+    assert (trials.episodes, trials.site, trials.tasks) == (7, "far", ("pack",))
+    assert trials.rollout.hysteresis == 0.1
+    tried = load(ActorSettings, "actor", sets=evaluator_sets(plan)[1::2], environment={})
+    assert (tried.mode, str(tried.low_level)) == ("evaluation", "x")
+    assert learner_gate(planned("lockstep")) == []
 
 
 def test_for_people_robots_say_when_they_are_in_doubt_and_go_on_meanwhile() -> None:

@@ -15,7 +15,7 @@ from shared.messages.policy import PolicyAnnouncement, TensorRef, Version
 from shared.policies import examples as many
 from shared.policies.checkpoint import sha256_tensors
 from shared.policies.examples import Examples
-from shared.policies.fit import FitReport, fit
+from shared.policies.fit import FitReport, fit, sources_of
 from shared.policies.fitter import FitSettings
 from shared.policies.high_level import Head, HighLevel, build_net
 from shared.policies.high_net import HighLevelNet
@@ -199,6 +199,14 @@ def test_frozen_eyes_stay_as_they_are() -> None:
     changed = {name for name in before if not np.array_equal(before[name], after[name])}
     assert changed
     assert not any(name.startswith("eyes") for name in changed)
+
+
+@pytest.mark.parametrize(("share", "counts"), [(0.1, [58, 6]), (0.3, [45, 19]), (0.5, [32, 32])])
+def test_corrections_have_their_share_of_each_batch(share: float, counts: list[int]) -> None:
+    policy = high_level()
+    settings = FitSettings(batch=64, correction_share=share)
+    parts = (coloured(60), coloured(9), settings, policy.bank, shared_encoder(), policy.net)
+    assert [source.count for source in sources_of(*parts)] == counts
 
 
 def test_a_label_outside_the_bank_is_refused() -> None:
