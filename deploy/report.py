@@ -43,7 +43,7 @@ class Report:
         if learner.get("state") == "stopped" or (
             over and learner.get("state") == "collecting" and len(versions) <= self._rounds
         ):
-            reason = learner.get("reason") or "see its log"
+            reason = learner.get("reason") or "the gate refused one; `hld policy list` says why"
             raise HldError(f"not every one of {self._rounds} rounds made a version: {reason}")
         return self._done()
 
