@@ -79,7 +79,9 @@ def fit(
     began, encoder = time.monotonic(), encoder or shared_encoder()
     sources = sources_of(demonstrations, corrections, settings, bank, encoder, net)
     net.text.learn(bank.phrases, encoder)
-    frozen = net.eyes.parameters() if settings.frozen_encoder else ()
+    frozen = [*net.eyes.parameters(), *net.glance.parameters()] if settings.frozen_encoder else ()
+    for number, source in enumerate(sources if settings.frozen_encoder else ()):
+        source.remember(net, settings, settings.seed + number)
     teacher, fitter = Teacher(net, bank), Fitter(net, settings, frozen=frozen)
     lessons, text, agreement = Mean(), Mean(), Mean()
     done = before = resumed(fitter, kept, (lessons, text, agreement))

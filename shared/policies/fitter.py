@@ -24,7 +24,8 @@ class FitSettings(Variation):
 
     steps: updates. batch: decisions in each. lr: the highest learning rate, then down a cosine.
     correction_share: part of each batch that is drawn from the corrections.
-    frozen_encoder: leave the eyes as they are, and train only what is behind them.
+    frozen_encoder: leave the eyes as they are, and train only what is behind them. They look at
+        every picture once, in a few variations, and not in each update.
     half: compute in bfloat16; None: where the processor is made for it.
     """
 

@@ -24,6 +24,16 @@ SIGHT, NAME, SCENE, GLIMPSE = 32, 8, 16, 32
 FELT, PAST, CONTEXT, MIND = 48, 64, 96, 96
 
 
+class Sights(NamedTuple):
+    """What eyes made of pictures, and what need not be seen again where they are frozen.
+
+    eyes: [B, O, V * 82], of the present look. glances: [B, K + 1, V * 32], of all looks.
+    """
+
+    eyes: Tensor
+    glances: Tensor
+
+
 class Question(NamedTuple):
     """What the network is asked about.
 
@@ -32,6 +42,7 @@ class Question(NamedTuple):
     seen: [B, K + 1] bool, which of them there are. senses: [B, 22] float32, proprioception.
     words: of the prompts.
     previous: [B, H, D], oldest first, zeros where there was none.
+    sights: of the pictures, where eyes have seen them before; then the pictures are of no account.
     """
 
     images: Tensor
@@ -40,6 +51,7 @@ class Question(NamedTuple):
     senses: Tensor
     words: Words
     previous: Tensor
+    sights: Sights | None = None
 
 
 class Answer(NamedTuple):
@@ -90,9 +102,26 @@ class HighLevelNet(nn.Module):
 
     def see(self, images: Tensor) -> Tensor:
         """What the slots look like, [B, O, SIGHT]."""
-        views = [eye(_pixels(images[:, row])) for row, eye in enumerate(self.eyes)]
-        names = self.name.expand(len(images), -1, -1)
-        slots: Tensor = self.sight(torch.cat([*views, names], -1))
+        return self.slots(self.look(images))
+
+    def look(self, images: Tensor) -> Tensor:
+        """What the eyes make of the present look, [B, O, V * 82]."""
+        return torch.cat([eye(_pixels(images[:, row])) for row, eye in enumerate(self.eyes)], -1)
+
+    def glimpse(self, glimpses: Tensor) -> Tensor:
+        """What the small eye makes of some looks, [B, K, V, 32, 32, 3] to [B, K, V * 32]."""
+        glances: Tensor = self.glance(_pixels(glimpses.flatten(0, 2)))
+        return glances.reshape(*glimpses.shape[:2], -1)
+
+    @property
+    def glance_width(self) -> int:
+        """Numbers of one look in `glimpse`."""
+        return VIEWS * GLIMPSE
+
+    def slots(self, eyes: Tensor) -> Tensor:
+        """What the slots look like to these eyes, [B, O, SIGHT]."""
+        names = self.name.expand(len(eyes), -1, -1)
+        slots: Tensor = self.sight(torch.cat([eyes, names], -1))
         return slots
 
     def wish(self, words: Words) -> Tensor:
@@ -102,7 +131,9 @@ class HighLevelNet(nn.Module):
 
     def forward(self, question: Question) -> Answer:
         """What to do next."""
-        return self.decide(self.see(question.images), self.wish(question.words), question)
+        sights = question.sights
+        slots = self.slots(sights.eyes) if sights else self.see(question.images)
+        return self.decide(slots, self.wish(question.words), question)
 
     def decide(self, slots: Tensor, wishes: Tensor, question: Question) -> Answer:
         """From slots and wishes to the answer; of the question it takes the rest."""
@@ -136,9 +167,10 @@ class HighLevelNet(nn.Module):
 
     def _glances(self, question: Question) -> Tensor:
         """What moved: the present and the earlier looks through one small eye, [B, PAST]."""
-        glances = self.glance(_pixels(question.glimpses.flatten(0, 2)))
+        sights = question.sights
+        glances = sights.glances if sights else self.glimpse(question.glimpses)
         seen = question.seen.to(glances.dtype)
-        shown = glances.reshape(*seen.shape, -1) * seen[..., None]
+        shown = glances * seen[..., None]
         before: Tensor = self.before(torch.cat([shown.flatten(1), seen], -1))
         return before
 

@@ -12,7 +12,7 @@ from shared.errors import PolicyError
 from shared.goals.language.bank import PhraseBank
 from shared.goals.language.encoder import Encoder
 from shared.policies.examples import Examples
-from shared.policies.high_net import HighLevelNet, Question
+from shared.policies.high_net import HighLevelNet, Question, Sights
 from shared.policies.reading import (
     Pictures,
     blinking,
@@ -28,13 +28,18 @@ from shared.policies.variation import Variation
 from shared.policies.wishes import Words
 
 CHUNK = 4096
+PICTURE = (2, 64, 64, 3)
+EACH = 128
+"""Moments that are looked at at once."""
+VARIATIONS = 3
+"""How often frozen eyes look at each picture, each time in another light, a little moved."""
 
 
 class Batch(NamedTuple):
     """B decisions as they were seen, and the rows of the bank that answer them.
 
     images: [B, V, 64, 64, 3] uint8. glimpses: [B, K + 1, V, 32, 32, 3] uint8. seen, senses, words,
-    previous: as in `Question`. labels: [B] int64.
+    previous, sights: as in `Question`. labels: [B] int64.
     """
 
     images: Pictures
@@ -44,6 +49,7 @@ class Batch(NamedTuple):
     words: Words
     previous: Tensor
     labels: Tensor
+    sights: Sights | None = None
 
     def question(self) -> Question:
         """As they were seen."""
@@ -56,29 +62,49 @@ class Batch(NamedTuple):
         self, by: Variation, rng: np.random.Generator, dtype: torch.dtype = torch.float32
     ) -> Question:
         """Seen a little differently: moved, in another light, with noise and gaps."""
-        count, views = self.images.shape[:2]
-        looks = self.glimpses.shape[1]
-        offsets = rng.integers(-by.shift_px, by.shift_px + 1, (count, views, 2))
-        images = shifted(
-            self.images.reshape(-1, *self.images.shape[2:]), offsets.reshape(-1, 2), by.shift_px
+        images, glimpses = (
+            _untouched(self)
+            if self.sights
+            else varied_pictures(self.images, self.glimpses, by, rng, dtype)
         )
-        half = np.repeat(offsets[:, None] // 2, looks, 1).reshape(-1, 2)
-        glimpses = shifted(
-            self.glimpses.reshape(-1, *self.glimpses.shape[3:]), half, (by.shift_px + 1) // 2
-        )
-        gain = gains(count, by.brightness, by.tint, rng)
         seen = blinking(self.seen, by.look_dropout, by.look_dropout / 2, rng)
         senses = self.senses + by.sense_noise * torch.from_numpy(
             rng.standard_normal(self.senses.shape, dtype=np.float32)
         )
         return Question(
-            relit(images.reshape(self.images.shape), gain, by.noise, rng, dtype),
-            relit(glimpses.reshape(self.glimpses.shape), gain, 0.0, rng, dtype),
+            images,
+            glimpses,
             torch.from_numpy(seen),
             senses,
             self.words,
             forgetful(self.previous, by.history_dropout, by.history_dropout / 2, rng),
+            self.sights,
         )
+
+
+def varied_pictures(
+    images: Pictures,
+    glimpses: Pictures,
+    by: Variation,
+    rng: np.random.Generator,
+    dtype: torch.dtype = torch.float32,
+) -> tuple[Tensor, Tensor]:
+    """Pictures of B decisions moved, in another light, with noise; shapes as in `Batch`."""
+    count, views = images.shape[:2]
+    looks = glimpses.shape[1]
+    offsets = rng.integers(-by.shift_px, by.shift_px + 1, (count, views, 2))
+    moved = shifted(images.reshape(-1, *images.shape[2:]), offsets.reshape(-1, 2), by.shift_px)
+    half = np.repeat(offsets[:, None] // 2, looks, 1).reshape(-1, 2)
+    less = shifted(glimpses.reshape(-1, *glimpses.shape[3:]), half, (by.shift_px + 1) // 2)
+    gain = gains(count, by.brightness, by.tint, rng)
+    return (
+        relit(moved.reshape(images.shape), gain, by.noise, rng, dtype),
+        relit(less.reshape(glimpses.shape), gain, 0.0, rng, dtype),
+    )
+
+
+def _untouched(batch: Batch) -> tuple[Tensor, Tensor]:
+    return torch.from_numpy(batch.images), torch.from_numpy(batch.glimpses)
 
 
 class Source:
@@ -111,10 +137,44 @@ class Source:
         if unknown:
             raise PolicyError(f"labels that the bank does not hold: {', '.join(unknown)}")
         self._labels = torch.tensor([rows[label] for label in examples.labels])
+        self._sights: Sights | None = None
 
     def draw(self, rng: np.random.Generator) -> Batch:
         """`count` examples, with replacement."""
-        return self.at(self.choose(rng))
+        rows = self.choose(rng)
+        batch = self.at(rows)
+        return batch._replace(sights=self._seen_before(rows, rng)) if self._sights else batch
+
+    def remember(self, net: HighLevelNet, by: Variation, seed: int) -> None:
+        """Let frozen eyes look at all pictures now, in `VARIATIONS`; batches carry what they saw.
+
+        Of a picture that is only an earlier look the small eye alone sees anything.
+        """
+        rng = np.random.default_rng([seed, 0])
+        moments = len(self._images)
+        present = np.unique(self._looks[:, -1])
+        with torch.no_grad():
+            eyes = torch.zeros(VARIATIONS, moments, *net.look(torch.zeros(1, *PICTURE)).shape[1:])
+            glances = torch.zeros(VARIATIONS, moments, net.glance_width)
+            for variation in range(VARIATIONS):
+                for rows in np.array_split(np.arange(moments), 1 + moments // EACH):
+                    shown = varied_pictures(
+                        self._images[rows], self._halves[rows][:, None], by, rng
+                    )
+                    glances[variation, rows] = net.glimpse(shown[1])[:, 0]
+                    here = np.isin(rows, present)
+                    if here.any():
+                        eyes[variation, rows[here]] = net.look(shown[0][here])
+        self._sights = Sights(eyes, glances)
+
+    def _seen_before(self, rows: NDArray[np.int64], rng: np.random.Generator) -> Sights:
+        assert self._sights is not None  # The caller looked.
+        variation = torch.from_numpy(rng.integers(VARIATIONS, size=len(rows)))
+        looks = torch.from_numpy(self._looks[rows])  # -1 is hidden by `seen`.
+        return Sights(
+            self._sights.eyes[variation, looks[:, -1]],
+            self._sights.glances[variation[:, None], looks],
+        )
 
     def choose(self, rng: np.random.Generator) -> NDArray[np.int64]:
         """Rows drawn by weight."""
@@ -156,7 +216,7 @@ def merge(batches: list[Batch]) -> Batch:
     """Batches one after another."""
     if len(batches) == 1:
         return batches[0]
-    images, glimpses, seen, senses, words, previous, labels = zip(*batches, strict=True)
+    images, glimpses, seen, senses, words, previous, labels, sights = zip(*batches, strict=True)
     return Batch(
         np.concatenate(images),
         np.concatenate(glimpses),
@@ -165,6 +225,7 @@ def merge(batches: list[Batch]) -> Batch:
         joined(words),
         torch.cat(previous),
         torch.cat(labels),
+        Sights(*map(torch.cat, zip(*sights, strict=True))) if all(sights) else None,
     )
 
 

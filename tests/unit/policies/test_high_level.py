@@ -19,6 +19,8 @@ from shared.policies.fit import FitReport, fit, sources_of
 from shared.policies.fitter import FitSettings
 from shared.policies.high_level import Head, HighLevel, build_net
 from shared.policies.high_net import HighLevelNet
+from shared.policies.sources import Source
+from shared.policies.variation import Variation
 from tests.unit.policies.scenes import COMMANDS, coloured, moving, observation
 from tests.unit.policies.test_checkpoint import card
 
@@ -198,7 +200,39 @@ def test_frozen_eyes_stay_as_they_are() -> None:
     after = policy.tensors()
     changed = {name for name in before if not np.array_equal(before[name], after[name])}
     assert changed
-    assert not any(name.startswith("eyes") for name in changed)
+    assert not any(name.startswith(("eyes", "glance.")) for name in changed)
+
+
+def test_what_frozen_eyes_remember_is_what_they_would_see_again() -> None:
+    policy, still = high_level(), Variation(shift_px=0, brightness=0, tint=0, noise=0)
+    shown = moving(12)
+    source = Source(shown, 5, policy.bank, shared_encoder(), policy.net)
+    source.remember(policy.net, still, 0)
+    batch = source.draw(np.random.default_rng(3))
+    assert batch.sights is not None
+    question = batch.question()
+    with torch.no_grad():
+        again = policy.net.look(question.images), policy.net.glimpse(question.glimpses)
+    seen = torch.from_numpy(batch.seen)
+    assert torch.allclose(batch.sights.eyes, again[0], atol=1e-5)
+    assert torch.allclose(batch.sights.glances[seen], again[1][seen], atol=1e-5)
+    with torch.no_grad():
+        blind = question._replace(images=question.images * 0, sights=batch.sights)
+        plain = policy.net(question._replace(sights=None)).meaning
+        assert torch.allclose(policy.net(blind).meaning, plain, atol=1e-4)
+
+
+def test_with_frozen_eyes_a_fit_learns_what_is_behind_them() -> None:
+    policy = high_level()
+    learn(policy, None, QUICK)
+    seen = coloured(60)
+    names = sorted(set(seen.labels))
+    other = dict(zip(names, [*names[1:], names[0]], strict=True))
+    exchanged = replace(seen, labels=[other[label] for label in seen.labels])
+    assert agreement(policy, exchanged) < 0.2
+    settings = QUICK.model_copy(update={"frozen_encoder": True, "steps": 60})
+    fit(policy.net, policy.bank, exchanged, None, settings)
+    assert agreement(policy, exchanged) > 0.9
 
 
 @pytest.mark.parametrize(("share", "counts"), [(0.1, [58, 6]), (0.3, [45, 19]), (0.5, [32, 32])])
