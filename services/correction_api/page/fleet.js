@@ -54,8 +54,8 @@ function Learner({ learner }) {
       <span class=${`doing ${online ? learner.state : learner.presence}`}>
         learner ${online ? learner.state : learner.presence}
       </span>
-      ${learner.state === "training" &&
-      html`<progress max="1" value=${learner.progress} aria-label="Training" />`}
+      ${["training", "judging"].includes(learner.state) &&
+      html`<progress max="1" value=${learner.progress} aria-label=${learner.state} />`}
       <span class="facts">
         version <b>${learner.version}</b> · round ${learner.round} ·${" "}
         ${learner.corrections} corrections since${waiting}
