@@ -44,6 +44,8 @@ _ENDING = frozenset(("stop", "quit", "avoid", "cease"))
 _INVITING = re.compile(r"(?:can|could|wo|would)n?'?t")
 _LIFTING = frozenset(("forget", "fail", "hesitate", "worry", "mind"))
 """After "don't" they forbid nothing of what follows."""
+_UNABLE = frozenset(("can't", "cant", "cannot", "couldn't"))
+"""Of oneself they are a reason and no order: "I can't reach the ham, get it"."""
 _THIS_ONLY = frozenset(words_of("there here that this like right too yet now so only sure"))
 """Right after "not" they are all that it denies."""
 _JOINING = frozenset(("and", "or", "nor", "to", "you"))
@@ -55,6 +57,8 @@ _AUXILIARY = frozenset(words_of("is are was were did does has had am do have sho
 _SUBJECTS = frozenset(words_of("i we you they he she it that this the there"))
 _ONLY_PEOPLE = {"do": "i we you they", "have": "i we you they", "shall": "i", "should": "i we you"}
 _ASKING = re.compile(r"(?:who|what|where|when|why|how|which|whose)(?:'s|'re|'d)?")
+_BESIDES = frozenset(("stop", "leave"))
+"""They are done with whatever else is."""
 _THEN = frozenset(("and", "then"))
 _ANEW = frozenset(("no", "rather", "instead", "sorry", "actually", "mean", "meant", "oh", "not"))
 """Between two acts they take back the first."""
@@ -71,6 +75,7 @@ _OFF = re.compile(
 )
 _SEVERAL = re.compile(
     r"\b(?:(?:all|both)(?: of)? (?:the|these|those|my|your|them)(?! (?:way|time|same))|"
+    r"(?:put|pack|place) everything|"
     r"(?:every|each)(?: of)? (?!time|way|now|it)\w+)\b"
 )
 
@@ -188,12 +193,14 @@ def _denies(phrase: _Words, row: int, rows: range) -> bool:
     if word in _ENDING:
         return after[0].endswith("ing") and after[0] != "moving"
     if word == "no":
-        return after[0] == "need" or bool(after[0].endswith("ing") and phrase.verb(row + 1))
+        acts = phrase.acts(range(row + 1, row + 1 + len(after)))
+        return after[0] == "need" or any(words[act].endswith("ing") for act in acts)
     if not _is_not(word):
         return False
     invites = words[max(row - 1, 0)] == "why" or (_INVITING.fullmatch(word) and after[0] == "you")
+    unable = word in _UNABLE and words[max(row - 1, 0)] in ("i", "we")
     only_this = word == "not" and after[0] in _THIS_ONLY
-    return not (invites or only_this or _LIFTING.intersection(after))
+    return not (invites or unable or only_this or _LIFTING.intersection(after))
 
 
 def _is_not(word: str) -> bool:
@@ -256,7 +263,7 @@ def _too_much(phrase: _Words, kept: Sequence[int]) -> str:
 def _in_turn(phrase: _Words, kept: Sequence[int]) -> Clauses:
     """Two acts, one after the other, are too much, unless what is put is what was taken before."""
     acts = [row for row in phrase.acts(kept) if phrase.verb(row) in (PICK, PUT, WAIT)]
-    acts = [row for row in acts if phrase.words[row] != "stop"]  # Whatever is done, this was.
+    acts = [row for row in acts if phrase.words[row] not in _BESIDES]
     for one, two in itertools.pairwise(acts):
         between = [
             row

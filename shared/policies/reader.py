@@ -192,7 +192,8 @@ class Reader:
             for text in (*parts.things, *parts.others())
         }
         for text in parts.things:  # "One that isn't ham" is like the ham.
-            if (other := unlike(text)) and things[other].argmax() == things[text].argmax():
+            other = softmax(things[unlike(text)])[:THINGS] if unlike(text) else np.zeros(THINGS)
+            if other[things[text].argmax() % THINGS] >= LEAST_ACT:
                 parts = parts._replace(why=parts.why or EXCLUDES)
         return _Taken(
             self._acts.chances(parts.frame, vectors[parts.frame]),

@@ -7,8 +7,8 @@ PICK, PUT, WAIT, HOLD, MOVE = ("pick", "put", "wait", "hold", "move")
 
 _VERBS = {
     PICK: "pick take grab get fetch lift collect retrieve seize raise bring hand",
-    PUT: "put place set lay drop throw toss chuck fling bin dump trash discard release stack pop "
-    "stick deposit return",
+    PUT: "put place set lay drop throw toss chuck fling bin dump trash discard release stack "
+    "stick deposit return leave",
     WAIT: "wait pause stop halt",
     HOLD: "hold keep touch stay stand",
     MOVE: "move do go carry start",
