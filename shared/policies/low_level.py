@@ -16,10 +16,14 @@ from shared.goals.language.encoder import shared_encoder
 from shared.messages.goal import Goal
 from shared.policies import checkpoint, reader
 from shared.policies.checkpoint import Tensors, sha256_tensors
+from shared.policies.clauses import in_turn
 from shared.policies.geometry import MEASURES, Geometry, View
 from shared.policies.low_net import CHUNK, CLOSED_M, OPEN_M, LowNet, Motion, Orders, targets
-from shared.policies.reader import LEAST_NAME, PUTS, Reader, Reading, Sentences
+from shared.policies.reader import LEAST_ACT, LEAST_NAME, PUTS, Reader, Reading, Sentences
 from shared.policies.tokens import OPEN_GAP_M
+
+LEAST_HELD = 0.05
+"""What is in the hand is meant by a name that could be many things, "the slice", from here on."""
 
 
 class LowLevel:
@@ -91,8 +95,12 @@ class LowLevel:
         """Why it can't do what a person says, with what is in the hands; "" if it can."""
         there, held = _present(objects), self._held(proprioception, objects)
         reading, why = self.reader.read(goal.text, there), ""
-        if reading.command is None:
+        if reading.why:
+            why = f"{goal.text!r} {reading.why}; nearest it knows"
+        elif reading.command is None:
             why = f"the low level doesn't understand {goal.text!r}; nearest it knows"
+        elif reading.first and _unheld(reading, held):
+            why = f"{goal.text!r} {in_turn(reading.first)}; nearest"
         elif missing := self._missing(reading, there, held):
             command = self.reader.commands[reading.command]
             why = f"{command!r} can't be done here, since {missing}; nearest"
@@ -171,8 +179,12 @@ def _unheld(reading: Reading, held: NDArray[np.bool_]) -> str:
     """Why nothing can be put, or not what was named; "" if it can."""
     if not held.any():
         return "nothing is in the hands"
-    if any(float(thing[held].sum()) < LEAST_NAME for thing in reading.things):
-        return "what it names is not what is in the hand"
+    for thing in reading.things:
+        likely = float(thing[held].sum())
+        if likely < LEAST_HELD:
+            return "what it names is not what is in the hand"
+        if likely < LEAST_NAME and thing.max() >= LEAST_ACT:
+            return "what it names is hardly what is in the hand: call that 'it'"
     return ""
 
 

@@ -1,5 +1,6 @@
 """The words of a phrase, the parts that they play, and what is left when they are taken apart."""
 
+import re
 from collections.abc import Sequence
 from itertools import groupby
 from typing import NamedTuple
@@ -11,14 +12,17 @@ FILLER, ACT, THING, PLACE, CONTRAST = PARTS = range(5)
 
 _STANDS_FOR = {THING: "the object", PLACE: "to that place"}
 _JOINING = frozenset(("and", "or", "plus"))
-_POINTING = frozenset(("it", "that", "this", "the", "them", "one"))
+POINTING = frozenset(("it", "that", "this", "the", "them", "one"))
 _RELATING = frozenset(("on", "in", "into", "onto", "next", "under", "behind", "beside", "near"))
 """Right before a place they belong to it."""
 _ASKING = frozenset(("can", "could", "would", "will"))
-_ARTICLES = frozenset(("the", "a", "an", "my", "your", "its"))
-_DETERMINERS = frozenset(
+ARTICLES = frozenset(("the", "a", "an", "my", "your", "its"))
+DETERMINERS = frozenset(
     ("the", "a", "an", "that", "this", "these", "those", "my", "your", "some", "one", "of")
 )
+
+
+_NOT = re.compile(r".*\b(?:not|no|without|except|but|\w+n't)\b")
 
 
 class Parts(NamedTuple):
@@ -26,11 +30,29 @@ class Parts(NamedTuple):
 
     frame: what to do, with "the object" for each thing and "to that place" for each place.
     things: without their determiners. places: as they were said.
+    why: why it can't be obeyed, "" if it can. first: what it says to do before.
     """
 
     frame: str
     things: tuple[str, ...]
     places: tuple[str, ...]
+    why: str = ""
+    first: str = ""
+
+    def texts(self) -> tuple[str, ...]:
+        """All that must be embedded: the frame, things and places, what things are said not to
+        be."""
+        return self.frame, *self.things, *self.places, *self.others()
+
+    def others(self) -> tuple[str, ...]:
+        """What its things are said not to be: "ham" of "one that isn't ham"."""
+        return tuple(filter(None, map(unlike, self.things)))
+
+
+def unlike(thing: str) -> str:
+    """What a thing is said not to be, "" where nothing is said of that."""
+    found = _NOT.match(thing)
+    return " ".join(_bare(words_of(thing[found.end() :]))) if found else ""
 
 
 def plain(text: str) -> str:
@@ -45,12 +67,12 @@ def words_of(text: str) -> list[str]:
 
 def take_apart(words: Sequence[str], parts: Sequence[int]) -> Parts:
     """What the words say, each playing its part."""
-    parts = _related(words, parts)
+    parts = related(words, parts)
     frame: list[str] = []
     found: dict[int, list[str]] = {THING: [], PLACE: []}
     for part, run in groupby(zip(words, parts, strict=True), key=lambda pair: pair[1]):
         said = [word for word, _ in run]
-        if part == ACT or (part == THING and _POINTING.issuperset(said)):
+        if part == ACT or (part == THING and POINTING.issuperset(said)):
             frame += said
         elif part == THING:
             for thing in _listed(said):
@@ -62,19 +84,19 @@ def take_apart(words: Sequence[str], parts: Sequence[int]) -> Parts:
     return Parts(" ".join(frame), tuple(found[THING]), tuple(found[PLACE]))
 
 
-def _related(words: Sequence[str], parts: Sequence[int]) -> list[int]:
+def related(words: Sequence[str], parts: Sequence[int]) -> list[int]:
     """The parts, put right where words belong together: an article to what follows it, which also
     a place must have; "next to" and the like to the place that follows; "can you" is courtesy."""
     told = list(parts)
     for at in range(len(told) - 1):
-        if told[at] == PLACE and told[at + 1] in (ACT, FILLER) and words[at] in _ARTICLES:
+        if told[at] == PLACE and told[at + 1] in (ACT, FILLER) and words[at] in ARTICLES:
             told[at + 1] = PLACE
         if told[at] == ACT and words[at] in _ASKING and words[at + 1] == "you":
             told[at : at + 2] = FILLER, FILLER
     for at in reversed(range(len(told) - 1)):
         if told[at] == ACT and told[at + 1] == PLACE and words[at] in _RELATING:
             told[at] = PLACE
-        if words[at] in _ARTICLES and told[at + 1] in (THING, CONTRAST):
+        if words[at] in ARTICLES and told[at + 1] in (THING, CONTRAST):
             told[at] = told[at + 1]
     return told
 
@@ -86,6 +108,6 @@ def _listed(nouns: list[str]) -> list[list[str]]:
 
 
 def _bare(noun: list[str]) -> list[str]:
-    while len(noun) > 1 and noun[0] in _DETERMINERS:
+    while len(noun) > 1 and noun[0] in DETERMINERS:
         noun = noun[1:]
     return noun

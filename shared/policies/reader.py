@@ -19,8 +19,9 @@ from shared.errors import PolicyError
 from shared.goals.family import Floats
 from shared.policies import tagger, teller
 from shared.policies.checkpoint import Tensors
+from shared.policies.clauses import AGAINST, EXCLUDES, judged
 from shared.policies.examples import as_bytes, as_texts
-from shared.policies.phrase import Parts, plain, take_apart, words_of
+from shared.policies.phrase import Parts, plain, related, take_apart, unlike, words_of
 from shared.policies.spelling import corrected
 from shared.policies.tagger import Tagger
 from shared.policies.teller import Teller, softmax
@@ -61,20 +62,25 @@ class Reading(NamedTuple):
 
     command: row of the command, None where it was refused. scores: [C] float32 in [0, 1], of each
     command its probability. things: of each thing that it names how probable each of the [15] is.
+    why: what is wrong with a phrase, if it is more than that it wasn't understood.
+    first: what it says to do before.
     """
 
     command: int | None
     scores: Floats
     things: tuple[Floats, ...] = ()
+    why: str = ""
+    first: str = ""
 
 
 class _Taken(NamedTuple):
     """A phrase as understood without its scene: logits of acts [8], of each thing [15 + 1] and
-    each place [4 + 1] that it names."""
+    each place [4 + 1] that it names. parts: of what."""
 
     acts: Floats
     things: tuple[Floats, ...]
     places: tuple[Floats, ...]
+    parts: Parts
 
 
 class Reader:
@@ -121,11 +127,15 @@ class Reader:
         row = self._rows.get(said)
         if row is not None:
             return Reading(row, np.eye(len(self.commands), dtype=np.float32)[row])
-        acts, names, things = self._told(self._taken(said), there)
+        taken = self._taken(said)
+        acts, names, things = self._told(taken, there)
         scores = acts * names
         best = int(scores.argmax())
         sure = acts[best] >= LEAST_ACT and names[best] >= LEAST_NAME
-        return Reading(best if sure else None, scores, things)
+        why = taken.parts.why or self._fixed(best if sure else None, taken.parts.things, there)
+        if why in AGAINST:
+            scores[best] = 0.0
+        return Reading(best if sure and not why else None, scores, things, why, taken.parts.first)
 
     def possible(self, there: NDArray[np.bool_], empty: bool = False) -> NDArray[np.bool_]:
         """[C] Which commands are about nothing that is missing; empty: nothing is in the hands."""
@@ -161,7 +171,8 @@ class Reader:
         words = words_of(said)
         if not words:
             return Parts("", (), ())
-        return take_apart(words, self._parts.parts(self._encoder.states(said)))
+        told = judged(said, related(words, self._parts.parts(self._encoder.states(said))))
+        return take_apart(words, told.parts)._replace(why=told.why, first=told.first)
 
     def _taken(self, said: str) -> _Taken:
         with self._lock:
@@ -175,13 +186,32 @@ class Reader:
         return known
 
     def _take(self, parts: Parts) -> _Taken:
-        texts = (parts.frame, *parts.things, *parts.places)
-        frame, *rest = zip(texts, self._encoder.embed(texts), strict=True)
+        vectors = dict(zip(parts.texts(), self._encoder.embed(parts.texts()), strict=True))
+        things = {
+            text: self._names.chances(text, vectors[text])
+            for text in (*parts.things, *parts.others())
+        }
+        for text in parts.things:  # "One that isn't ham" is like the ham.
+            other = softmax(things[unlike(text)])[:THINGS] if unlike(text) else np.zeros(THINGS)
+            if other[things[text].argmax() % THINGS] >= LEAST_ACT:
+                parts = parts._replace(why=parts.why or EXCLUDES)
         return _Taken(
-            self._acts.chances(*frame),
-            tuple(self._names.chances(*one) for one in rest[: len(parts.things)]),
-            tuple(self._places.chances(*one) for one in rest[len(parts.things) :]),
+            self._acts.chances(parts.frame, vectors[parts.frame]),
+            tuple(things[text] for text in parts.things),
+            tuple(self._places.chances(text, vectors[text]) for text in parts.places),
+            parts,
         )
+
+    def _fixed(self, row: int | None, things: Sequence[str], there: NDArray[np.bool_]) -> str:
+        """Why a place that is named for a thing can't be taken, "" where something else is meant.
+
+        row: the command that was read.
+        """
+        if row is not None and (row >= THINGS or self.possible(there)[row]):
+            return ""
+        here = [name for at, name in enumerate(PLACES[:-1], THINGS) if there[at]]
+        named = next((name for name in here if name in things), "")
+        return f"can't be done: nobody here can take the {named}" if named else ""
 
     def _told(
         self, taken: _Taken, there: NDArray[np.bool_]

@@ -50,9 +50,13 @@ def main(
     site: Annotated[str, typer.Option(help="settings file of the cell; lab, dagger: far")] = "",
     high_level: Annotated[
         str,
-        typer.Option(help="base, a version, or a checkpoint folder, for horizon and transitions"),
-    ] = "base",
-    low_level: Annotated[str, typer.Option(help="checkpoint folder; the bundled one")] = "",
+        typer.Option(
+            help="base (the usual), a version, a folder; for horizon, transitions, dagger"
+        ),
+    ] = "",
+    low_level: Annotated[
+        str, typer.Option(help="checkpoint folder; the bundled one; not for baselines")
+    ] = "",
     baselines: Annotated[
         Optional[Path],
         typer.Option(file_okay=False, help="a run of the baselines, whose flat arm dagger tries"),
@@ -75,6 +79,8 @@ def main(
             raise ConfigError(f"no scale {scale!r}{nearest(scale, SCALES)}")
         some = experiment.small if scale == "small" else experiment.full
         wanted = parse_seeds(seeds or f"0:{n or some}")
+        experiment.accept(high_level, low_level)
+        high_level = high_level or "base"
         learned = find_high_level(high_level, data) if experiment.learned else ORACLE
         site = site or experiment.site
         plan = Plan(high_level=learned, low_level=low_level, site=site, seeds=wanted)
@@ -89,7 +95,9 @@ def main(
         "site": site,
         "seeds": f"{wanted[0]}:{wanted[1]}",
         "n": wanted[1] - wanted[0],
-        "low_level_sha256": load_card(plan.low_level_folder()).tensors_sha256,
+        "low_level_sha256": load_card(plan.low_level_folder()).tensors_sha256
+        if experiment.low_level
+        else None,
         "high_level": high_level if experiment.learned else None,
         "high_level_sha256": load_card(plan.high_level_folder()).tensors_sha256
         if plan.high_level != ORACLE

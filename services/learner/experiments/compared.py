@@ -87,12 +87,13 @@ def _method(settings: BaselineSettings) -> tuple[str, ...]:
 
 def _notes(settings: BaselineSettings, outcomes: dict[int, dict[str, Outcomes]]) -> tuple[str, ...]:
     notes = [
-        "p is McNemar's, exact, two-sided, over the pairs of all training seeds; intervals of "
-        "differences are by bootstrap over training seeds and scenes; those of rates are Wilson's, "
-        "which take all episodes as independent.",
-        "No p is corrected for there being several.",
-        "Every arm's policies come from these demonstrations alone; the π_LL that is named above, "
-        "which comes with the project, is none of them.",
+        "Intervals of differences are by bootstrap over training seeds and scenes, and say what "
+        "holds for another training seed; those of rates are Wilson's, which take all episodes as "
+        "independent.",
+        "p is McNemar's, exact, two-sided, of one training seed: in pairs of several a scene would "
+        "count once for each, as if it were another. The largest is shown, all are in the JSON. "
+        "None is corrected for there being several.",
+        "Every arm's policies come from these demonstrations alone, none of the project's own.",
         "Flat and latent goals learn from actions alone, without the labels that the other two "
         "have: that is what they are without words. Flat sees no earlier looks either.",
     ]
@@ -179,19 +180,15 @@ def _over_lengths(outcomes: dict[int, dict[str, Outcomes]]) -> dict[str, Outcome
 
 
 def _less(by_arm: dict[str, Outcomes], other: str) -> dict[str, Any]:
-    """How much better the hierarchy is, on the same scenes and training seeds."""
+    """How much better the hierarchy is, on the same scenes and training seeds; p: of each seed."""
     mine, its = by_arm["hierarchy"], by_arm[other]
     gap = seeds_difference(mine, its)
     return {
         "difference": round(gap.value, 4),
         "interval": [round(gap.low, 4), round(gap.high, 4)],
-        "p": round(mcnemar(_flat(mine), _flat(its)), 4),
-        "n": len(_flat(mine)),
+        "p": [round(mcnemar(*pair), 4) for pair in zip(mine, its, strict=True)],
+        "n": sum(map(len, mine)),
     }
-
-
-def _flat(outcomes: Outcomes) -> list[bool]:
-    return [won for row in outcomes for won in row]
 
 
 def _curves(figures: dict[str, Any]) -> list[Curve]:
@@ -222,11 +219,11 @@ def _by_length(figures: dict[str, Any]) -> Table:
 
 def _differences(figures: dict[str, Any]) -> Table:
     rows = [
-        (TITLES[arm], length, gap_cell(found), str(found["n"]))
+        (TITLES[arm], length, gap_cell({**found, "p": max(found["p"])}), str(found["n"]))
         for arm, by_length in figures["hierarchy_less"].items()
         for length, found in by_length.items()
     ]
-    columns = ("hierarchy less", "skills", "difference (95 %)", "pairs")
+    columns = ("hierarchy less", "skills", "difference (95 %), largest p of a seed", "pairs")
     return Table(title="The hierarchy against the others", columns=columns, rows=tuple(rows))
 
 

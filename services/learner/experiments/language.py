@@ -7,7 +7,7 @@ import numpy as np
 from services.learner.experiments.bench import Bench
 from services.learner.experiments.findings import Findings, Panel, Plot, Table, cell, curve
 from services.learner.experiments.scenes import setting_for
-from services.learner.pretrain.everyday import has_new_word, writings
+from services.learner.pretrain.everyday import has_new_word, sealed, writings
 from services.learner.pretrain.unheard import unheard_phrases, unheard_refusals
 from shared.evaluation.phrase import Said, Trial
 from shared.evaluation.scene import ANYTHING, Setting
@@ -100,26 +100,26 @@ class _Everyday:
         self._refused = bench.phrases("everyday-refused", _impossible(bench, refused))
 
     def figures(self) -> dict[str, Any]:
-        """All, by writing, by command, of phrases with a new word; and of what is to be refused."""
+        """All, by writing, by command, of phrases with a new word; and of what is to be refused.
+
+        Held out is what no other writing has.
+        """
         by_writing = {
             name: _figures(
                 [one for one, its in zip(self._said, self._writers, strict=True) if its == name]
             )
             for name in dict.fromkeys(self._writers)
         }
-        held_out = {writing.name for writing in writings() if writing.held_out}
-        sealed = {text for writing in writings() if writing.held_out for text in writing.refused}
+        held_out = sealed(writings())
         return {
             **_figures(self._said),
             "writings": by_writing,
-            "held_out": _figures(
-                [one for one, its in zip(self._said, self._writers, strict=True) if its in held_out]
-            ),
+            "held_out": _figures([one for one in self._said if one.phrase in held_out]),
             "new_word": _figures([one for one in self._said if has_new_word(one.phrase)]),
             "commands": _by_expected(self._said),
             "impossible": rate([bool(one.refused) for one in self._refused]),
             "impossible_held_out": rate(
-                [bool(one.refused) for one in self._refused if one.phrase in sealed]
+                [bool(one.refused) for one in self._refused if one.phrase in held_out]
             ),
         }
 

@@ -18,21 +18,34 @@ from shared.errors import ConfigError, nearest
 
 class Experiment(NamedTuple):
     """small, full: scenes for each cell of its tables, at either scale.
-    learned: whether it tries a learned high level that is given to it. site: where, unless told.
+    learned: whether it tries a learned high level that is given to it. low_level: whether it tries
+    a low level that is; else it trains its own. site: where, unless told.
     """
 
     run: Callable[[Bench], Findings]
     small: int
     full: int
     learned: bool = False
+    low_level: bool = True
     site: str = "lab"
+
+    def accept(self, high_level: str, low_level: str) -> None:
+        """Refuse a policy that would not be tried; "": none was named.
+
+        Raises:
+            ConfigError: one was named; the message says which experiments try one.
+        """
+        if high_level and not self.learned:
+            raise ConfigError(f"--high-level has no effect here, only for {_names('learned')}")
+        if low_level and not self.low_level:
+            raise ConfigError(f"--low-level has no effect here, only for {_names('low_level')}")
 
 
 EXPERIMENTS = {
     "skills": Experiment(skills.run, small=2, full=100),
     "language": Experiment(language.run, small=2, full=100),
     "horizon": Experiment(horizon.run, small=1, full=60, learned=True),
-    "baselines": Experiment(baselines.run, small=6, full=40),
+    "baselines": Experiment(baselines.run, small=6, full=40, low_level=False),
     "dagger": Experiment(dagger.run, small=60, full=200, learned=True, site="far"),
     "transitions": Experiment(transitions.run, small=1, full=120, learned=True),
 }
@@ -49,3 +62,7 @@ def experiment_named(name: str) -> Experiment:
             f"no experiment {name!r}{nearest(name, EXPERIMENTS)} of {', '.join(EXPERIMENTS)}"
         )
     return EXPERIMENTS[name]
+
+
+def _names(trait: str) -> str:
+    return ", ".join(name for name, one in EXPERIMENTS.items() if getattr(one, trait))

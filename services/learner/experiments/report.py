@@ -22,10 +22,7 @@ def write(folder: Path, findings: Findings, about: dict[str, Any]) -> None:
 def describe(findings: Findings, about: dict[str, Any], pictures: list[str]) -> str:
     """The report as a page."""
     lines = [f"# {findings.title}", "", *findings.method, ""]
-    policies = f"π_LL `{about['low_level_sha256'][:12]}`"
-    if about["high_level_sha256"]:
-        policies += f", π_HL {about['high_level']} `{about['high_level_sha256'][:12]}`"
-    lines += [f"`{about['command']}`, {about['date']}, at {about['site']}; {policies}."]
+    lines += [f"`{about['command']}`, {about['date']}, at {about['site']}{_policies(about)}."]
     for table in findings.tables:
         lines += ["", f"## {table.title}", "", *_table(table)]
     for plot, name in zip(findings.plots, pictures, strict=True):
@@ -33,6 +30,16 @@ def describe(findings: Findings, about: dict[str, Any], pictures: list[str]) -> 
     if findings.notes:
         lines += ["", "## To be known", *(f"- {note}" for note in findings.notes)]
     return "\n".join(lines) + "\n"
+
+
+def _policies(about: dict[str, Any]) -> str:
+    """The policies that were given, if any were."""
+    names = []
+    if about["low_level_sha256"]:
+        names.append(f"π_LL `{about['low_level_sha256'][:12]}`")
+    if about["high_level_sha256"]:
+        names.append(f"π_HL {about['high_level']} `{about['high_level_sha256'][:12]}`")
+    return f"; {', '.join(names)}" if names else ""
 
 
 def _table(table: Table) -> list[str]:

@@ -7,13 +7,16 @@ teaches a word because of it takes that mark away.
 """
 
 import tomllib
-from collections.abc import Iterable
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
 from functools import cache
 from importlib import resources
+from itertools import chain
 from typing import Any, NamedTuple
 
 from services.learner.pretrain.lexicon import exam
 from shared.policies.phrase import words_of
+from shared.policies.reader import bare
 from shared.workcell.skills import COMMANDS
 
 REFUSE, HELD, HELD_OUT = "refuse", "held", "held_out"
@@ -45,6 +48,26 @@ def _writing(name: str, table: dict[str, Any]) -> Writing:
     return Writing(
         name, said, tuple(table[REFUSE]), dict(table.get(HELD, {})), bool(table.get(HELD_OUT))
     )
+
+
+def sealed(every: Sequence[Writing]) -> frozenset[str]:
+    """Phrases of what is held out, said or refused, that no other writing has: one of the others
+    may have taught them."""
+    writers: dict[str, set[str]] = defaultdict(set)
+    for writing in every:
+        for text in _phrases(writing):
+            writers[bare(text)].add(writing.name)
+    return frozenset(
+        text
+        for writing in every
+        if writing.held_out
+        for text in _phrases(writing)
+        if writers[bare(text)] == {writing.name}
+    )
+
+
+def _phrases(writing: Writing) -> Iterable[str]:
+    return chain(*writing.said.values(), writing.refused)
 
 
 def has_new_word(phrase: str) -> bool:

@@ -72,8 +72,7 @@ def ask(reader: Reader, questions: Sequence[Question], encoder: Encoder) -> list
     reader = reader.with_encoder(studied)
     texts = [reader.spelt(one.said.text) for one in questions]
     studied.study(texts)
-    apart = [reader.apart(text) for text in texts]
-    studied.study(text for one in apart for text in (one.frame, *one.things, *one.places))
+    studied.study(part for text in texts for part in reader.apart(text).texts())
     answers = []
     for question in questions:
         there = present(question.stock)

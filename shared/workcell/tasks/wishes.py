@@ -46,9 +46,45 @@ _ONE = rf"(?:{_THING}|{_THINGS})"
 _LEFT_OUT = re.compile(
     rf"\b(?:{_EXCEPT}\s+(?:out\s+)?|nothing\s+)({_ONE}(?:(?:\s*,\s*(?:and\s+)?|\s+(?:and|or)\s+){_ONE})*)"
 )
+_ON_A_SIDE = re.compile(
+    r"\b(?:(?:on|from|to) (?:the|your|my) (left|right)\b|"
+    r"(?:the|your|my) (left|right)(?:[ -]hand)?"
+    rf"(?= (?:side|half|part|things|items|{'|'.join(_WORDS)}|{_NAMES})|\s*(?:[,.;!?]|$)))"
+)
 _NOT_ON_A_SIDE = re.compile(
-    rf"\b{_EXCEPT}\s+(?:(?:what|that|which|those|things|anything|everything|is|are|lies)(?:'s)?\s+)*"
-    r"(?:on|from|to) (?:the|your|my) (?:left|right)\b"
+    rf"\b(?:{_EXCEPT}|nothing)\s+"
+    r"(?:(?:what|that|which|those|things|anything|everything|is|are|lies)(?:'s)?\s+)*"
+    r"(?:(?:on|from|to) )?(?:the|your|my) (?:left|right)\b"
+)
+_SAID_OTHERWISE = (
+    (r"’", "'"),
+    (r"\bcan't\b|\bcannot\b", "can not"),
+    (r"\bwon't\b", "will not"),
+    (r"n't\b", " not"),
+    (r"\b(?:(?:i|we)(?:'m| am|'re| are) )?allergic to\b", "no"),
+    (r"\b(?:i|we) (?:do|can) not (?:really )?(?:like|want|eat|stand)\b(?! to\b)", "no"),
+    (r"\b(?:i|we) (?:hate|dislike)\b(?! to\b)", "no"),
+    (r"\b(?:(?:that|which) )?(?:do|does) not (?:have|contain|include)\b", "without"),
+    (r"\b(?:no|without) any(?:thing)?\b", "without"),
+    (r"\bnothing (?:but|except|other than)\b", "only"),
+)
+"""What means the same in the words that are understood."""
+_ACTS = r"(?:make|build|stack|clear|clean|bus|pack|put|take|touch|move|tidy|throw|add|use)"
+_NO = r"(?:not|never|no|nothing)"
+_RIGHT = "say what is to be done, such as 'clear everything but the cup'"
+_WRONG = (
+    (rf"(?<!why )\b(?:not|never) (?:ever )?{_ACTS}\b", f"a prohibition is no wish; {_RIGHT}"),
+    (rf"\b{_ACTS} nothing\b", f"that leaves nothing to do; {_RIGHT}"),
+    (
+        r"\b(?:left|right)(?: sides?)? (?:and|or) (?:(?:on|from|to) )?(?:(?:the|your|my) )?"
+        r"(?:left|right)\b|\bboth sides\b",
+        "both sides are everything; name one of them, or none",
+    ),
+    (rf"\b{_ACTS} (?:left|right)\b", "a side reads like 'on the left'"),
+)
+_UNCLEAR = re.compile(
+    rf"\b(?:{_NO}\b(?! (?:else|more|other)\b)[^,.;:!?]*\b(?:(?:{_NAMES})e?s?|{_KIND})|"
+    r"nothing\b(?! (?:else|more|other)\b).*)"
 )
 _BEFORE_NOUNS = frozenset(words("the a an some no and but without except leave with or of"))
 _ORDINARY = frozenset(
@@ -119,7 +155,10 @@ def read(prompt: str) -> Wish:
         UnknownPrompt: it names a thing that the cell doesn't have, leaves out a side, or
             contradicts itself.
     """
-    text = " ".join(prompt.lower().split())
+    text = _in_known_words(prompt)
+    for pattern, why in _WRONG:
+        if wrong := re.search(pattern, text):
+            raise UnknownPrompt(f"{wrong.group()!r}: {why}")
     if found := _NOT_ON_A_SIDE.search(text):
         raise UnknownPrompt(
             f"{found.group()!r}: a side can't be left out; name the other side, or the things"
@@ -132,13 +171,37 @@ def read(prompt: str) -> Wish:
     colours = tuple(
         word for word in re.findall(r"\b([a-z]+)\b(?! (?:bin|box|tub)\b)", kept) if word in COLOURS
     )
-    sides = tuple(
-        dict.fromkeys(re.findall(r"\b(?:on|from|to) (?:the|your|my) (left|right)\b", kept))
-    )
+    sides = tuple(dict.fromkeys(found[1] or found[2] for found in _ON_A_SIDE.finditer(kept)))
     _refuse_strangers(text)
     if "vegetarian" in traits and _MEAT.intersection(names):
         raise UnknownPrompt(f"{prompt!r} asks for meat in something vegetarian: leave out either")
-    return Wish(names, traits + tuple(dict.fromkeys(colours)), sides, but, without)
+    wish = Wish(names, traits + tuple(dict.fromkeys(colours)), sides, but, without)
+    _refuse_contradictions(wish, kept)
+    return wish
+
+
+def _in_known_words(prompt: str) -> str:
+    """A prompt in small letters, without contractions, what it leaves out said plainly."""
+    text = " ".join(prompt.lower().split())
+    for pattern, words_ in _SAID_OTHERWISE:
+        text = re.sub(pattern, words_, text)
+    return text
+
+
+def _refuse_contradictions(wish: Wish, kept: str) -> None:
+    """kept: the prompt without what it leaves out."""
+    if len(wish.sides) > 1:
+        raise UnknownPrompt("both sides are everything; name one of them, or none")
+    both = [
+        *(name for name in wish.names if name in wish.but or _traits(name) & {*wish.without}),
+        *(trait for trait in wish.traits if trait in wish.without),
+    ]
+    if both:
+        raise UnknownPrompt(f"{both[0]!r} is asked for and left out: say one of them")
+    if found := _UNCLEAR.search(kept):
+        raise UnknownPrompt(
+            f"{found.group()!r}: what is left out reads like 'but not the cup' or 'no tomato'"
+        )
 
 
 def _kinds(text: str) -> tuple[str, ...]:

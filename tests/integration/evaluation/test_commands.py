@@ -120,6 +120,8 @@ def test_an_experiment_writes_its_report_for_machines_and_for_people(tmp_path):
         (say.main, ("put it down", "--holding", "hamm"), "ham"),
         (experiments.main, ("skill", "--out", "x"), "skills"),
         (experiments.main, ("skills", "--out", "x", "--scale", "huge"), "full"),
+        (experiments.main, ("skills", "--out", "x", "--high-level", "base"), "horizon"),
+        (experiments.main, ("baselines", "--out", "x", "--low-level", "y"), "skills"),
     ],
 )
 def test_bad_input_is_an_error_that_says_what_would_be_right(command, arguments, words):

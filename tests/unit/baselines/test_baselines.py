@@ -103,8 +103,21 @@ def test_differences_are_paired_over_training_seeds_and_scenes():
     assert found["hierarchy_less"]["flat"]["all"]["difference"] == 0.75
     assert found["hierarchy_less"]["flat"]["all"]["n"] == 60
     assert found["hierarchy_less"]["flat"]["4"]["interval"][0] > 0.4
-    assert found["hierarchy_less"]["flat"]["4"]["p"] == 0.0
-    assert found["hierarchy_less"]["chain"]["all"]["p"] == 1.0
+    assert found["hierarchy_less"]["flat"]["4"]["p"] == [0.0001] * 3
+    assert found["hierarchy_less"]["chain"]["all"]["p"] == [1.0] * 3
+
+
+def test_a_p_is_of_one_training_seed_and_the_largest_is_shown():
+    def rows(least):
+        return [[row(seed, seed >= some) for seed in range(20)] for some in least]
+
+    by_arm = {arm: rows((20, 20, 20)) for arm in TITLES}
+    by_arm["hierarchy"] = rows((12, 16, 18))  # 8, 4 and 2 scenes won.
+    found = compared.findings(TINY, [trained("a")], {4: by_arm}, "lab")
+    assert found.figures["hierarchy_less"]["flat"]["4"]["p"] == [0.0078, 0.125, 0.5]
+    cells = found.tables[1].rows[0]
+    assert cells[2].endswith("p = 0.500")
+    assert any("of one training seed" in note for note in found.notes)
 
 
 def test_arms_of_different_demonstrations_are_not_compared():

@@ -6,7 +6,7 @@ from services.learner.experiments import horizon, language, transitions
 from services.learner.experiments.bench import slug
 from services.learner.experiments.registry import EXPERIMENTS, experiment_named
 from services.learner.experiments.scenes import setting_for
-from services.learner.pretrain.everyday import writings
+from services.learner.pretrain.everyday import sealed, writings
 from services.learner.pretrain.unheard import unheard_refusals
 from shared.errors import ConfigError
 from shared.rollout.settings import Replan
@@ -81,6 +81,11 @@ def test_language_is_measured_with_real_phrases_and_not_done_twice(tmp_path):
     assert found.figures["reworded"]["n"] == len(COMMANDS)
     assert found.figures["everyday"]["n"] == everyday
     assert found.figures["everyday"]["impossible"]["n"] == impossible
+    kept = sealed(writings())
+    said = {phrases[0] for told in writings() for phrases in told.said.values()}
+    assert found.figures["everyday"]["held_out"]["n"] == len(said & kept)
+    refused = {told.refused[0] for told in writings()}
+    assert found.figures["everyday"]["impossible_held_out"]["n"] == len(refused & kept)
     assert found.figures["contrary"]["n"] == 1
     assert language.run(bench) == found
     assert bench.pool.jobs == jobs
@@ -90,6 +95,20 @@ def test_an_unknown_experiment_is_an_error_that_names_those_that_are_known():
     with pytest.raises(ConfigError, match="horizon"):
         experiment_named("horizons")
     assert {"skills", "language", "horizon", "transitions"} <= set(EXPERIMENTS)
+
+
+@pytest.mark.parametrize("name", ["skills", "language", "baselines"])
+def test_a_high_level_that_would_not_be_tried_is_refused(name):
+    with pytest.raises(ConfigError, match="--high-level has no effect here, only for horizon, tr"):
+        experiment_named(name).accept("base", "")
+
+
+def test_a_low_level_is_refused_where_each_arm_trains_its_own():
+    with pytest.raises(ConfigError, match="--low-level has no effect here, only for skills, lang"):
+        experiment_named("baselines").accept("", "some/folder")
+    for experiment in EXPERIMENTS.values():
+        experiment.accept("", "")
+    experiment_named("horizon").accept("1.2", "some/folder")
 
 
 def test_a_checkpoints_folder_makes_a_files_name():

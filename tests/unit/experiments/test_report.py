@@ -44,6 +44,14 @@ def test_the_report_is_the_same_for_machines_and_for_people_with_a_picture(tmp_p
     assert "<svg" in (tmp_path / "curves.svg").read_text()
 
 
+def test_a_report_without_given_policies_names_none(tmp_path):
+    report.write(
+        tmp_path, findings(), {**ABOUT, "low_level_sha256": None, "high_level_sha256": None}
+    )
+    page = (tmp_path / "report.md").read_text()
+    assert "`hld experiment x --out y`, 2026-11-26, at lab.\n" in page
+
+
 def test_equal_findings_make_equal_files(tmp_path):
     for name in ("one", "other"):
         (tmp_path / name).mkdir()

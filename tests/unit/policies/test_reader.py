@@ -5,7 +5,16 @@ import pytest
 
 from shared.errors import PolicyError
 from shared.policies.likeness import FEATURES, Letters, Likeness
-from shared.policies.phrase import ACT, CONTRAST, FILLER, PLACE, THING, take_apart, words_of
+from shared.policies.phrase import (
+    ACT,
+    CONTRAST,
+    FILLER,
+    PLACE,
+    THING,
+    Parts,
+    take_apart,
+    words_of,
+)
 from shared.policies.reader import restore
 from shared.policies.spelling import corrected
 from shared.workcell.objects import BODY_NAMES, KITCHEN
@@ -40,8 +49,8 @@ def test_next_to_and_the_like_belong_to_the_place_that_follows() -> None:
 def test_things_told_as_one_are_told_one_by_one_and_pointing_words_are_no_thing() -> None:
     words = words_of("take the cup and the bowl")
     assert take_apart(words, [ACT, *[THING] * 5]).things == ("cup", "bowl")
-    assert take_apart(["drop", "that"], [ACT, THING]) == ("drop that", (), ())
-    assert take_apart([], []) == ("", (), ())
+    assert take_apart(["drop", "that"], [ACT, THING]) == Parts("drop that", (), ())
+    assert take_apart([], []) == Parts("", (), ())
 
 
 @pytest.mark.parametrize(

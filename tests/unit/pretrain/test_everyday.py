@@ -2,7 +2,7 @@
 
 import pytest
 
-from services.learner.pretrain.everyday import Writing, writings
+from services.learner.pretrain.everyday import Writing, sealed, writings
 from shared.workcell.objects import OBJECT_NAMES
 from shared.workcell.skills import COMMANDS, PUTS
 
@@ -22,3 +22,17 @@ def test_one_writing_at_least_is_held_out() -> None:
         writing.name for writing in writings()
     }
     assert any(writing.held_out for writing in writings())
+
+
+def test_what_another_writing_has_too_is_not_held_out() -> None:
+    def writing(name: str, said: str, refused: str, held_out: bool = False) -> Writing:
+        return Writing(name, {"wait": (said, f"{name} waits")}, (refused,), {}, held_out)
+
+    every = (
+        writing("a", "Hold on.", "sing"),
+        writing("b", "hold  on", "dance", held_out=True),
+        writing("c", "stay there", "dance!", held_out=True),
+    )
+    assert sealed(every) == {"b waits", "c waits", "stay there"}
+    assert sealed(every[:2]) == {"b waits", "dance"}
+    assert sealed(every[:1]) == frozenset()

@@ -84,11 +84,37 @@ def test_a_number_of_skills_that_a_task_cannot_take_is_refused_with_those_that_i
             "clear the table, not the red cup",
             ("bowl", "glass", "saucer", "can", "wrapper", "carton", "napkin"),
         ),
+        ("pack everything that isn't red", ("bread", "toast", "cheese", "ham", "lettuce", "onion")),
+        ("clear the things that aren’t dishes", ("can", "wrapper", "carton", "napkin")),
+        ("clear everything which isn't white or red", ("bowl", "glass", "wrapper", "carton")),
+        (
+            "I'm allergic to cheese, make me a sandwich",
+            ("bread", "ham", "lettuce", "tomato", "onion", "toast"),
+        ),
+        (
+            "I don't like onion or ham, make me a sandwich with everything",
+            ("bread", "cheese", "lettuce", "tomato", "toast"),
+        ),
+        ("make me a sandwich with ham, hold the onion", ("bread", "ham", "toast")),
+        ("make a sandwich with nothing but cheese", ("bread", "cheese", "toast")),
+        (
+            "make a sandwich that doesn't have ham",
+            ("bread", "cheese", "lettuce", "tomato", "onion", "toast"),
+        ),
+        ("I need the ham in the bin, nothing else", ("ham",)),
         ("bus the table", ("cup", "bowl", "glass", "saucer", "can", "wrapper", "carton", "napkin")),
     ],
 )
 def test_a_prompt_may_say_what_fits(prompt, target):
     assert understand(prompt).target == target
+
+
+@pytest.mark.parametrize(
+    "prompt",
+    ["clear the left side", "clear the left", "clear the left-hand side", "clear the left things"],
+)
+def test_a_side_is_understood_without_its_preposition(prompt):
+    assert understand(prompt).wish.sides == ("left",)
 
 
 @pytest.mark.parametrize("side", ["left", "right"])
@@ -115,7 +141,20 @@ def test_a_thing_that_the_cell_lacks_is_refused_with_those_that_it_has(prompt):
     [
         ("clear what is not on the left", "side can't be left out"),
         ("put everything but what's on the right in the bin", "side can't be left out"),
+        ("clear everything but the left side", "side can't be left out"),
         ("make a vegetarian sandwich with ham", "asks for meat"),
+        ("a sandwich with ham but no ham", "'ham' is asked for and left out"),
+        ("make a sandwich with ham, but no meat", "'ham' is asked for and left out"),
+        ("pack the red things but nothing red", "'red' is asked for and left out"),
+        ("pack everything on the left and the right", "both sides are everything"),
+        ("clear everything on the left, and what is on the right", "both sides are everything"),
+        ("clear both sides", "both sides are everything"),
+        ("clear nothing", "leaves nothing to do; say what is to be done, such as 'clear"),
+        ("make a sandwich with nothing", "what is left out reads like 'but not the cup'"),
+        ("don't clear the table", "a prohibition is no wish"),
+        ("clear everything, don't take the cup", "a prohibition is no wish"),
+        ("make a sandwich, not too much ham", "what is left out reads like"),
+        ("clear left", "a side reads like 'on the left'"),
     ],
 )
 def test_what_cant_be_meant_is_refused_once_with_the_reason(prompt, why):

@@ -1,0 +1,288 @@
+"""What a phrase forbids, asks or only leaves out, and what of it is left to obey.
+
+The tellers know what a clause is about, and not whether it is wished: "don't put it down" is about
+putting down. So clauses are judged by their words before, each word with the part that it plays:
+what is not wished becomes courtesy where something else is said, and a reason to refuse where not.
+"""
+
+import itertools
+import re
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+from shared.goals.language.encoder import WORD
+from shared.policies.phrase import (
+    ACT,
+    ARTICLES,
+    CONTRAST,
+    DETERMINERS,
+    FILLER,
+    PLACE,
+    POINTING,
+    THING,
+    words_of,
+)
+from shared.policies.verbs import MOVE, PICK, PUT, WAIT, verb_of
+
+FORBIDS = "forbids something, and a prohibition can't be obeyed: say what to do instead"
+ASKS = "is a question: say what is to be done"
+EXCLUDES = "says what is not meant: name the thing or the place that is"
+SIDE = "names a side of a place, and only things are told apart by their sides: leave the side out"
+REMOVES = "takes something off a place: say 'pick up', and its name"
+SEVERAL = "asks for several things: one thing at a time, by its name"
+AGAINST = frozenset((FORBIDS, EXCLUDES))
+"""What is read of these is what is not wished."""
+
+_BREAK = re.compile(r"[,.;:!?]")
+_NEVER = frozenset(
+    words_of("not never cannot dont doesnt didnt shouldnt mustnt cant wont isnt arent")
+)
+_ORDERS = frozenset(("don't", "dont", "never", "not"))
+"""They forbid even where they are told as courtesy, unless a subject is before: "don't bin it"."""
+_ENDING = frozenset(("stop", "quit", "avoid", "cease"))
+"""Before a verb in -ing they forbid it."""
+_INVITING = re.compile(r"(?:can|could|wo|would)n?'?t")
+_LIFTING = frozenset(("forget", "fail", "hesitate", "worry", "mind"))
+"""After "don't" they forbid nothing of what follows."""
+_UNABLE = frozenset(("can't", "cant", "cannot", "couldn't"))
+"""Of oneself they are a reason and no order: "I can't reach the ham, get it"."""
+_THIS_ONLY = frozenset(words_of("there here that this like right too yet now so only sure"))
+"""Right after "not" they are all that it denies."""
+_JOINING = frozenset(("and", "or", "nor", "to", "you"))
+"""Before a second verb they leave it under the negation of the first."""
+_ANY = re.compile(r"(?:any|some|every)(?:thing|where|one|place|body)|all")
+_BUT = frozenset(words_of("but except excluding other besides apart no without"))
+_MEATLESS = re.compile(r".+-free|non-.+|vegetarian|vegan|meatless")
+_AUXILIARY = frozenset(words_of("is are was were did does has had am do have should shall"))
+_SUBJECTS = frozenset(words_of("i we you they he she it that this the there"))
+_ONLY_PEOPLE = {"do": "i we you they", "have": "i we you they", "shall": "i", "should": "i we you"}
+_ASKING = re.compile(r"(?:who|what|where|when|why|how|which|whose)(?:'s|'re|'d)?")
+_BESIDES = frozenset(("stop", "leave"))
+"""They are done with whatever else is."""
+_THEN = frozenset(("and", "then"))
+_ANEW = frozenset(("no", "rather", "instead", "sorry", "actually", "mean", "meant", "oh", "not"))
+"""Between two acts they take back the first."""
+_KINDLY = frozenset(("mind", "able", "possible", "chance", "think", "could", "would", "please"))
+_GOING = frozenset(("goes", "belongs", "should", "needs"))
+_SIDES = re.compile(
+    r"\b(?:(?:the|your|my|its|far|to|on) (?:far )?(?:left|right)|left of|(?:left|right)-hand)\b"
+    r"(?![- ](?:hands? |hands?$|arm|gripper|place|spot|way|thing))"
+)
+_OFF = re.compile(
+    r"\b(?:from|off|out of) (?:(?:the|my|that|this|your) )?"
+    r"(?:\w+ )?(?:plate|dish|sandwich|stack|bin|tub|box|trash|garbage|rubbish)\b"
+    r"(?!.* (?:to|in|into|on|onto) )"
+)
+_SEVERAL = re.compile(
+    r"\b(?:(?:all|both)(?: of)? (?:the|these|those|my|your|them)(?! (?:way|time|same))|"
+    r"(?:put|pack|place) everything|"
+    r"(?:every|each)(?: of)? (?!time|way|now|it)\w+)\b"
+)
+
+
+class Clauses(NamedTuple):
+    """A phrase after its clauses were judged.
+
+    parts: of each word, courtesy where a clause doesn't count. why: why nothing of it can be
+    obeyed, "" if something can. first: what it says to do before what it is read as.
+    """
+
+    parts: list[int]
+    why: str = ""
+    first: str = ""
+
+
+class _Words(NamedTuple):
+    """The words of a phrase and their parts; begins: rows of words that follow a stop."""
+
+    said: str
+    words: list[str]
+    parts: list[int]
+    begins: frozenset[int]
+
+    def verb(self, row: int) -> str:
+        """The kind of verb that a word is, "" for none; a noun is none."""
+        noun = row > 0 and self.words[row - 1] in DETERMINERS
+        if self.parts[row] != ACT or noun:
+            return ""
+        return verb_of(self.words, row)
+
+    def acts(self, rows: Iterable[int]) -> list[int]:
+        """Those rows that are verbs."""
+        return [row for row in rows if self.verb(row)]
+
+    def tells(self, rows: Iterable[int]) -> bool:
+        """Whether there is something to obey in it."""
+        return any(
+            self.verb(row)
+            or self.parts[row] == PLACE
+            or (self.parts[row] == THING and self.words[row] not in POINTING | ARTICLES)
+            for row in rows
+        )
+
+    def text(self, rows: Iterable[int], *parts: int) -> str:
+        """The words of these parts."""
+        return " ".join(self.words[row] for row in rows if self.parts[row] in parts)
+
+
+def judged(said: str, parts: Sequence[int]) -> Clauses:
+    """A phrase, as it is spelt, and the parts of its words, after its clauses were judged."""
+    found = list(WORD.finditer(said))
+    gaps = [said[one.end() : two.start()] for one, two in itertools.pairwise(found)]
+    begins = frozenset(row for row, gap in enumerate(gaps, 1) if _BREAK.search(gap))
+    phrase = _Words(said, [one.group() for one in found], list(parts), begins)
+    clauses = [clause for one in _split(phrase) for clause in _judge(phrase, one)]
+    against = [(rows, why) for rows, why in clauses if why]
+    kept = [row for rows, why in clauses if not why for row in rows]
+    if _only_denies(phrase):
+        return Clauses(phrase.parts, FORBIDS)
+    if against and not phrase.tells(kept):
+        return Clauses(phrase.parts, against[-1][1])
+    for rows, _ in against:
+        for row in rows:
+            phrase.parts[row] = FILLER
+    why = _too_much(phrase, kept)
+    return Clauses(phrase.parts, why) if why else _in_turn(phrase, kept)
+
+
+def _only_denies(phrase: _Words) -> bool:
+    """Whether it says "not that" and nothing else."""
+    if phrase.tells(range(len(phrase.words))):
+        return False
+    denying = [row for row, word in enumerate(phrase.words) if _is_not(word)]
+    acts = any(phrase.parts[row] == ACT for row in denying)
+    return bool(denying) and (CONTRAST in phrase.parts if acts else ACT not in phrase.parts)
+
+
+def _split(phrase: _Words) -> list[range]:
+    """Rows of clauses, at stops and at "but"; "anything but" is one."""
+    starts = [0]
+    for row, word in enumerate(phrase.words):
+        since = phrase.words[starts[-1] : row]
+        if row in phrase.begins or (word == "but" and not any(map(_ANY.fullmatch, since))):
+            starts.append(row)
+    return [range(*ends) for ends in zip(starts, [*starts[1:], len(phrase.words)], strict=True)]
+
+
+def _judge(phrase: _Words, rows: range) -> list[tuple[range, str]]:
+    """A clause, or its two halves, each with why it can't be obeyed."""
+    if _excludes(phrase, rows):
+        return [(rows, EXCLUDES)]
+    if _asks(phrase, rows):
+        return [(rows, ASKS)]
+    begin = next((row for row in rows if _denies(phrase, row, rows)), rows.stop)
+    if not _forbids(phrase, range(begin + 1, rows.stop)):
+        return [(rows, "")]
+    first, *others = phrase.acts(range(begin + 1, rows.stop)) or [rows.stop]
+    end = next(
+        (row for row in others if row > first + 1 and phrase.words[row - 1] not in _JOINING),
+        rows.stop,
+    )
+    begin -= begin > rows.start and phrase.words[begin - 1] in ("do", "does")
+    halves = (range(rows.start, begin), ""), (range(begin, end), FORBIDS)
+    return [*halves, (range(end, rows.stop), "")]
+
+
+def _denies(phrase: _Words, row: int, rows: range) -> bool:
+    """Whether a word takes back what follows it."""
+    words, word = phrase.words, phrase.words[row]
+    after = words[row + 1 : min(row + 3, rows.stop)]
+    ordered = word in _ORDERS and words[max(row - 1, 0)] not in _SUBJECTS
+    if not after or phrase.parts[row] not in ((ACT, FILLER) if ordered else (ACT,)):
+        return False
+    if word in _ENDING:
+        return after[0].endswith("ing") and after[0] != "moving"
+    if word == "no":
+        acts = phrase.acts(range(row + 1, row + 1 + len(after)))
+        return after[0] == "need" or any(words[act].endswith("ing") for act in acts)
+    if not _is_not(word):
+        return False
+    invites = words[max(row - 1, 0)] == "why" or (_INVITING.fullmatch(word) and after[0] == "you")
+    unable = word in _UNABLE and words[max(row - 1, 0)] in ("i", "we")
+    only_this = word == "not" and after[0] in _THIS_ONLY
+    return not (invites or unable or only_this or _LIFTING.intersection(after))
+
+
+def _is_not(word: str) -> bool:
+    return word in _NEVER or word.endswith("n't")
+
+
+def _forbids(phrase: _Words, rows: range) -> bool:
+    """Whether what follows a negation is something that could be done. To hold or touch is not:
+    a negation makes an act of it. To take something is if it has a name: "don't take it" is said
+    of what is held."""
+    placed = any(phrase.parts[row] == PLACE for row in rows)
+    acts = phrase.acts(rows)
+    kind = phrase.verb(acts[0]) if acts else MOVE
+    if kind == PICK:
+        return placed or any(phrase.parts[row] == THING for row in rows)
+    return kind in (PUT, WAIT) or (kind == MOVE and placed)
+
+
+def _excludes(phrase: _Words, rows: range) -> bool:
+    """Whether it says what is not meant: anything but the ham, something meat-free."""
+    told = [phrase.words[row] for row in rows if phrase.parts[row] != FILLER]
+    if any(map(_MEATLESS.fullmatch, told)):
+        return True
+    some = next((at for at, word in enumerate(told) if _ANY.fullmatch(word)), len(told))
+    after = told[some + 1 :] if told[some : some + 1] != ["all"] else told[some + 1 : some + 2]
+    return any(word in _BUT or _is_not(word) for word in after)
+
+
+def _asks(phrase: _Words, rows: range) -> bool:
+    """Whether it is a question that asks for no act."""
+    told = [phrase.words[row] for row in rows if phrase.parts[row] != FILLER]
+    if len(told) < 2 or _KINDLY.intersection(phrase.words[row] for row in rows):
+        return False
+    first, second = told[:2]
+    if first in _AUXILIARY:
+        return second in _ONLY_PEOPLE.get(first, " ".join(_SUBJECTS)).split()
+    if first in ("can", "could", "may", "might", "must"):
+        return second == "i" and any(phrase.verb(row) == PUT for row in rows)
+    if not _ASKING.fullmatch(first):
+        return False
+    about = _AUXILIARY.union(("goes", "put")) if first != "who" else {second}
+    said = _GOING.intersection(told[2:]) or phrase.acts(rows)
+    done = second in ("did", "do", "does", "has", "have", "put") or first == "who"
+    return (second in about or "'" in first) and (done or not said)
+
+
+def _too_much(phrase: _Words, kept: Sequence[int]) -> str:
+    """Why what is wished can't be told apart: sides of places, what is taken off them, several."""
+    named = any(phrase.parts[row] == THING for row in kept)
+    puts = any(phrase.verb(row) == PUT for row in kept) and not named
+    places = phrase.text(kept, PLACE)
+    if _SIDES.search(places) or (puts and _SIDES.search(" ".join(phrase.words))):
+        return SIDE
+    told = phrase.text(kept, ACT, THING, PLACE)
+    if not named and _OFF.search(told):
+        return REMOVES
+    return SEVERAL if _SEVERAL.search(told) else ""
+
+
+def _in_turn(phrase: _Words, kept: Sequence[int]) -> Clauses:
+    """Two acts, one after the other, are too much, unless what is put is what was taken before."""
+    acts = [row for row in phrase.acts(kept) if phrase.verb(row) in (PICK, PUT, WAIT)]
+    acts = [row for row in acts if phrase.words[row] not in _BESIDES]
+    for one, two in itertools.pairwise(acts):
+        between = [
+            row
+            for row in range(one + 1, two + 1)
+            if phrase.words[row] in _THEN or row in phrase.begins
+        ]
+        if not between or phrase.verb(one) == phrase.verb(two):
+            continue
+        meanwhile = phrase.words[between[0] : two]
+        if _ANEW.intersection(meanwhile) or (phrase.verb(one) == WAIT and "then" not in meanwhile):
+            continue  # "Wait, put it down": the first is taken back.
+        first = " ".join(phrase.words[one : between[0]])
+        again = any(phrase.parts[row] == THING for row in range(two, len(phrase.words)))
+        if (phrase.verb(one), phrase.verb(two)) == (PICK, PUT) and not again:
+            return Clauses(phrase.parts, first=first)
+        return Clauses(phrase.parts, in_turn(first))
+    return Clauses(phrase.parts)
+
+
+def in_turn(first: str) -> str:
+    """Why two acts can't be obeyed at once. first: the one that is said first."""
+    return f"asks for two things; one thing at a time: say {first!r} first"
