@@ -99,7 +99,9 @@ def test_an_unknown_experiment_is_an_error_that_names_those_that_are_known():
 
 @pytest.mark.parametrize("name", ["skills", "language", "baselines"])
 def test_a_high_level_that_would_not_be_tried_is_refused(name):
-    with pytest.raises(ConfigError, match="--high-level has no effect here, only for horizon, tr"):
+    with pytest.raises(
+        ConfigError, match="--high-level has no effect here, only for horizon, dagger"
+    ):
         experiment_named(name).accept("base", "")
 
 
