@@ -5,6 +5,7 @@ from typing import Annotated, Any, NamedTuple
 
 from pydantic import Field
 
+from services.learner.code import code_version
 from services.learner.store.store import Arrival, Manifest, Marks, Round
 from shared.config import Settings
 
@@ -80,6 +81,7 @@ def next_manifest(marks: Marks, stock: Stock, settings: dict[str, Any]) -> Manif
         marks=marks,
         excluded=tuple(arrival.episode for arrival in stock.waiting),
         settings=settings,
+        code=code_version(),
         episodes=stock.episodes,
         corrections=stock.corrections,
     )

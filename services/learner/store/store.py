@@ -38,13 +38,14 @@ class Manifest(_Record):
 
     marks: later arrivals are not part of it. excluded: episodes that had arrived, but not yet
     all of their decisions and corrections; the next round looks at them again.
-    settings: of the labels, the training and the gate, as JSON values.
+    settings: of the labels, the training and the gate, as JSON values. code: see `code.py`.
     episodes, corrections: how many of each were new since the round before.
     """
 
     marks: Marks = Marks()
     excluded: tuple[str, ...] = ()
     settings: dict[str, Any] = Field(default_factory=dict)
+    code: str = ""
     episodes: int = 0
     corrections: int = 0
 

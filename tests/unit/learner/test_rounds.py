@@ -84,7 +84,7 @@ def test_no_round_begins_beyond_the_last_one_asked_for() -> None:
 def test_a_manifest_leaves_out_only_the_episodes_that_are_waited_for() -> None:
     sorted_out = take_stock([arrival("a", overrides=2), arrival("b", missing=1)], 0, 30)
     made = next_manifest(Marks(episodes=2), sorted_out, {"x": 1})
-    assert made == Manifest(
+    assert made.model_copy(update={"code": ""}) == Manifest(
         marks=Marks(episodes=2), excluded=("b",), settings={"x": 1}, episodes=1, corrections=2
     )
 
