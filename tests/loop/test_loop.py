@@ -15,7 +15,7 @@ from deploy.ports import free_port
 from shared.policies.checkpoint import bundled
 from shared.policies.low_level import LowLevel
 
-EPISODES, EVALUATE, GATE = 40, 40, 8
+EPISODES, EVALUATE, GATE = 24, 24, 8
 
 
 @pytest.fixture(scope="module")
