@@ -141,7 +141,8 @@ def _plot(figures: dict[str, Any], settings: DaggerSettings, site: str) -> Plot:
         curve(name, {0.0: found, float(settings.rounds): found}) for name, found in flat.items()
     ]
     panels = [Panel(title=site, curves=tuple(curves))]
-    controls = {title_of(name): arms[name] for name in (*settings.arms, "flat") if name in arms}
+    # By their short names: whole titles don't fit beside one another.
+    controls = {name: arms[name] for name in (*settings.arms, "flat") if name in arms}
     if controls:
         points_by_name = {f"round {settings.rounds}": arms[f"{MAIN}, round {settings.rounds}"]}
         panels.append(
