@@ -164,7 +164,7 @@ def work(
 def _rolled_out(order: TrialOrder, contest: Contest, stop: Stop) -> TrialResult | None:
     try:
         return contest.roll_out(order)
-    except HldError as error:
+    except (HldError, ValueError) as error:  # ValueError: a plan of another version of hl-dagger.
         log.error("a trial could not be rolled out", seed=order.seed, reason=str(error))
         stop.wait(REFUSED_S)
         return None

@@ -129,9 +129,14 @@ class Learner:
         if not self._rounds or self._rounds[-1].state is not RoundState.RUNNING:
             return
         round_ = self._rounds[-1]
+        reason = ""
         if self._epoch - round_.epoch > ATTEMPTS:
+            reason = f"{ATTEMPTS} learners ended while it ran"
+        elif round_.parent != self._in_force.number:  # Its learner died before it could say so.
+            reason = f"version {self._in_force.number} was put in force while it ran"
+        if reason:
             turn = self._made_turn(round_)
-            turn.abandon(f"{ATTEMPTS} learners ended while it ran")
+            turn.abandon(reason)
             self._look_at(turn)
         else:
             self._begin(round_)

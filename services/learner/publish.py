@@ -44,14 +44,15 @@ class Publisher:
         self._log.info("published", version=str(message.version), phrases=len(message.bank))
         return message.version
 
-    def offer(self, *announced: PolicyAnnouncement) -> None:
-        """Have the tensors ready of what is not announced yet, for those who try it.
+    def offer(self, epoch: int, *records: PolicyRecord) -> list[PolicyAnnouncement]:
+        """What would be announced, with its tensors at hand for those who try it.
 
         Raises:
             PolicyError: a tensor is missing or changed on the disk.
         """
-        names = dict.fromkeys(ref.sha256 for one in announced for ref in one.tensors)
+        names = dict.fromkeys(ref.sha256 for record in records for ref in record.tensors)
         self._tensors.publish(self._files.take(tuple(names)))
+        return [announcement(record, epoch, self._learner) for record in records]
 
     def close(self) -> None:
         """Serve tensors to nobody any more."""

@@ -14,12 +14,14 @@ from services.learner import canary
 from services.learner.collect import Collector
 from services.learner.frozen import FrozenLowLevel
 from services.learner.gate import Candidate, Gate, Verdict
-from services.learner.publish import Publisher, announcement
+from services.learner.publish import Publisher
 from services.learner.store.store import Manifest, PolicyRecord, Round, RoundState, Store
 from shared.clock import Clock
 from shared.errors import FrozenError, PolicyError
 from shared.messages.heartbeat import LearnerState
 from shared.wire.bus import Bus
+
+WATCH_NS = 1_000_000_000
 
 
 class Trainer(Protocol):
@@ -81,7 +83,7 @@ class Turn:
     ) -> None:
         self._parts, self._settings, self._epoch = parts, settings, epoch
         self._in_force = in_force
-        self._began_ns = parts.clock.monotonic_ns()
+        self._began_ns = self._looked_ns = parts.clock.monotonic_ns()
         self._log = structlog.get_logger()
         self._step: Callable[[], None] = self._train
         self.round, self.stopped = round_, ""
@@ -145,16 +147,13 @@ class Turn:
             }
         )
         self._parts.store.advance(self.round)
-        self._parts.trainer.forget(self.round)
         self._judge(candidate)
 
     def _judge(self, candidate: Candidate) -> None:
-        parts = self._parts
-        announced = announcement(self._record(candidate), self._epoch, "learner")
-        in_force = announcement(self._in_force, self._epoch, "learner")
-        parts.publisher.offer(announced, in_force)
+        records = self._record(candidate), self._in_force
+        announced, in_force = self._parts.publisher.offer(self._epoch, *records)
         self._step = self._try
-        if verdict := parts.gate.begin(candidate, announced, in_force):
+        if verdict := self._parts.gate.begin(candidate, announced, in_force):
             self._conclude(verdict)
 
     def _try(self) -> None:
@@ -180,10 +179,12 @@ class Turn:
         self._step = self._watch
 
     def _watch(self) -> None:
-        """While some robots run it first."""
-        store, number = self._parts.store, self.round.made
+        """While some robots run it first; episodes last longer than the time between two looks."""
+        store, number, now = self._parts.store, self.round.made, self._parts.clock.monotonic_ns()
         assert number is not None  # It was made before it was watched.
-        waited_s = (self._parts.clock.monotonic_ns() - self._began_ns) / 1e9
+        if now - self._looked_ns < WATCH_NS:
+            return
+        self._looked_ns, waited_s = now, (now - self._began_ns) / 1e9
         mine = [one for one in store.episodes_under(number) if one.robot in self._settings.robots]
         before = store.episodes_under(self._in_force.number)
         reason = canary.judge(mine, before, waited_s, self._settings)
@@ -224,6 +225,7 @@ class Turn:
             update={"state": state, "reason": reason, "ended_ns": self._parts.clock.now_ns()}
         )
         self._parts.store.end(ended, version)
+        self._parts.trainer.forget(ended)
         self.round = ended
         self._log.info(
             "a round ended", round=ended.number, state=str(state), reason=reason, **ended.figures

@@ -212,10 +212,12 @@ class SqlStore:
         self._writer.do(work)
 
     def version(self, number: int | None = None) -> PolicyRecord | None:
-        versions = self.versions()
         if number is None:
-            return next((one for one in reversed(versions) if not one.robots), None)
-        return next((one for one in versions if one.number == number), None)
+            return next((one for one in reversed(self.versions()) if not one.robots), None)
+        query = select(VERSIONS).where(VERSIONS.c.number == number)
+        with self._engine.begin() as connection:
+            row = connection.execute(query).mappings().one_or_none()
+            return None if row is None else PolicyRecord.model_validate(dict(row))
 
     def versions(self) -> tuple[PolicyRecord, ...]:
         with self._engine.begin() as connection:

@@ -145,8 +145,7 @@ def test_a_trial_of_a_candidate_fetches_its_tensors_over_the_bus(
     record = record.model_copy(update={"tensors": tuple(changed)})
     shelf = Shelf(tmp_path / "versions", files)
     publisher = Publisher(MemoryBus(router), "lab", "learner", files, shelf)
-    policy = announcement(record, 1, "learner")
-    publisher.offer(policy)
+    (policy,) = publisher.offer(1, record)
     contest = Contest(MemoryBus(router), "lab", low_level, HighLevel.load(bundled("high_level")))
     result = contest.roll_out(
         order.model_copy(update={"policy": policy, "policy_sha256": policy_sha256(policy)})

@@ -76,6 +76,7 @@ def test_a_course_keeps_an_episode_once_and_knows_what_is_missing(tmp_path: Path
             Ground.RELEASED,
         }
         assert len(labels) >= effort.overrides > 0
+        assert course.staleness(1) == {"0": 1}
 
 
 def labels() -> list[Label]:

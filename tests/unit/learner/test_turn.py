@@ -7,7 +7,7 @@ import pytest
 
 from services.learner.canary import CanarySettings
 from services.learner.gate import GateSettings
-from services.learner.store.store import RoundState
+from services.learner.store.store import Answer, RoundState
 from services.learner.trials import TrialSettings, policy_sha256
 from shared.errors import RefusedError
 from shared.messages.episode import Outcome
@@ -120,7 +120,6 @@ def test_the_tensors_of_a_candidate_can_be_fetched_by_who_tries_it(bench: Bench)
 
 def test_a_restart_trains_nothing_and_tries_nothing_twice(bench: Bench) -> None:
     trained(bench, TRIALS)
-    assert bench.trainer.forgotten == [1]
     first = Evaluator(bench).work(better=True, orders=3)
     bench.learner.close()
     bench.restart(TRIALS)
@@ -131,6 +130,7 @@ def test_a_restart_trains_nothing_and_tries_nothing_twice(bench: Bench) -> None:
     assert (len(done), len(first) + len(rest)) == (2 * PAIRS, 2 * PAIRS)
     bench.beat()
     assert str(bench.announced().version) == "3.1"
+    assert bench.trainer.forgotten == [1]
 
 
 def test_an_episode_that_nobody_hands_in_is_given_to_another(bench: Bench) -> None:
@@ -319,6 +319,20 @@ def test_a_round_at_work_gives_way_to_what_somebody_put_in_force(bench: Bench) -
     assert bench.state() is LearnerState.COLLECTING
     assert bench.trainer.stopped
     assert bench.store.rounds()[1].reason == "version 2 was put in force while it ran"
+
+
+def test_a_round_gives_way_also_if_its_learner_died_before_it_could(bench: Bench) -> None:
+    trained(bench, GateSettings())
+    bench.happens("e-2")
+    bench.beat()
+    bench.learner.close()
+    back = bench.origin().model_copy(update={"number": 2, "epoch": 2, "again": 0})
+    bench.store.add(ruling("rule-0"), 1)
+    bench.store.answer(Answer(ruling=ruling("rule-0"), answered_ns=2, made=2), back)
+    bench.restart()
+    assert bench.trainer.begun == []
+    assert bench.store.rounds()[1].reason == "version 2 was put in force while it ran"
+    assert str(bench.announced().version) == "3.2"
 
 
 def test_a_ruling_is_done_once_also_by_the_next_learner(bench: Bench) -> None:

@@ -2,6 +2,7 @@
 of it; kept in a learner's store, so that what was done is not done again.
 """
 
+from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -20,7 +21,7 @@ from services.learner.store.store import Manifest, PolicyRecord, Round, RoundSta
 from services.learner.store.tensors import TensorFiles, unpack
 from shared.messages.correction import Correction, Kind
 from shared.messages.episode import Episode
-from shared.messages.policy import TensorRef, Version
+from shared.messages.policy import TensorRef
 from shared.seeds import collection_seed
 
 EPOCH = 1
@@ -179,6 +180,15 @@ class Course:
             successes=sum(one.success for one in episodes.values()),
         )
 
+    def staleness(self, round_: int) -> dict[str, int]:
+        """Of the episodes that a round learned from: how many by how many versions ago they ran.
+
+        0 is the version that the round began with.
+        """
+        history = self.store.history(self.store.rounds()[round_ - 1].manifest)
+        ages = Counter(round_ - 1 - episode.version.number for episode in history.episodes)
+        return {str(age): ages[age] for age in sorted(ages)}
+
     def corrected_prompts(self, round_: int) -> frozenset[str]:
         """The prompts of episodes in which something was said, up to a round."""
         history = self.store.history(self.store.rounds()[round_ - 1].manifest)
@@ -193,8 +203,3 @@ def _count(corrections: Iterable[Correction], kind: Kind) -> int:
 def under_way(folder: Path, round_: int) -> Path:
     """File of a round that is being trained."""
     return folder / f"round-{round_}.under-way.safetensors"
-
-
-def name_of(number: int) -> str:
-    """A version as its folder is called."""
-    return str(Version(EPOCH, number))

@@ -36,7 +36,7 @@ def figures_of(settings: DaggerSettings, tried: Tried) -> dict[str, Any]:
             for person in settings.people
         },
         "teleoperation": _teleoperation(tried),
-        "staleness": _staleness(settings),
+        "staleness": _staleness(tried.paces),
         "failures": {name: failures_of(tried.rows[name]) for name in ("base", last, "oracle")},
     }
 
@@ -188,12 +188,10 @@ def _teleoperation(tried: Tried) -> dict[str, Any]:
     return found
 
 
-def _staleness(settings: DaggerSettings) -> list[dict[str, int]]:
-    """Of the episodes that each round learns from: how many by how many versions ago they ran."""
-    return [
-        {str(age): settings.episodes for age in range(number)}
-        for number in range(1, settings.rounds + 1)
-    ]
+def _staleness(paces: Sequence[Pace]) -> list[dict[str, int]]:
+    """By round, over the training seeds: episodes by how many versions ago they ran."""
+    mine = [pace.staleness for pace in paces if pace.person == MAIN]
+    return [dict(sum(map(Counter, some), Counter[str]())) for some in zip(*mine, strict=True)]
 
 
 def failures_of(rows: BySeed) -> dict[str, float]:

@@ -21,11 +21,12 @@ BySeed = list[list[Row]]
 
 
 class Pace(NamedTuple):
-    """What people did in the rounds of one course."""
+    """What people did in the rounds of one course; staleness: see `Course`, by round."""
 
     person: str
     seed: int
     efforts: tuple[Effort, ...]
+    staleness: tuple[dict[str, int], ...]
 
 
 class Tried(NamedTuple):
@@ -74,7 +75,12 @@ class Run:
         lab = {"base": self._plain("base", site=LAB), "last": self._last(LAB)}
         rounds = range(1, self._settings.rounds + 1)
         paces = [
-            Pace(person, seed, tuple(course.effort(number) for number in rounds))
+            Pace(
+                person,
+                seed,
+                tuple(course.effort(number) for number in rounds),
+                tuple(course.staleness(number) for number in rounds),
+            )
             for (person, seed), course in self._courses.items()
         ]
         prompts = [
