@@ -52,7 +52,8 @@ def list_open(
     found = review(history, settings, first.bank if first else (), _reader(low_level))
     write_report(report, _told(found))
     console = Console(markup=False)
-    console.print(_contradictions(found), _wordings(found))
+    console.print(_contradictions(found))
+    console.print(_wordings(found))
     console.print(f"faults laid on the hand, for the low level: {found.faults}")
 
 

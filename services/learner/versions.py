@@ -131,6 +131,7 @@ def _decide(data: Path, verb: Verb, author: str, reason: str, **about: int) -> N
     except ValidationError as error:
         exit_misconfigured("policy", ConfigError(error.errors()[0]["msg"]))
     with closing(open_store(data, "policy")) as store:
+        _check_known(store, ruling)
         store.add(ruling, now_ns)
         answer = _answered(store, ruling.id)
     if answer is None:
@@ -140,6 +141,17 @@ def _decide(data: Path, verb: Verb, author: str, reason: str, **about: int) -> N
         raise typer.Exit(1)
     else:
         print(f"version {answer.made} is in force", flush=True)
+
+
+def _check_known(store: Store, ruling: Ruling) -> None:
+    """Refuse at once what no learner could do."""
+    rollback = ruling.verb is Verb.ROLLBACK
+    wanted = ruling.version if rollback else ruling.round
+    known = [one.number for one in (store.versions() if rollback else store.rounds())]
+    if wanted not in known:
+        what = "version" if rollback else "round"
+        there = f"there are {', '.join(map(str, known))}" if known else "there is none yet"
+        exit_misconfigured("policy", ConfigError(f"no {what} {wanted}; {there}"))
 
 
 def _answered(store: Store, ruling: str) -> Answer | None:

@@ -1,6 +1,7 @@
 """`hld policy`: what it tells of a store, and what it says where there is none."""
 
 import json
+import shutil
 from pathlib import Path
 
 import pytest
@@ -88,3 +89,34 @@ def test_what_is_not_there_is_told_with_what_is(
     result = RUN.invoke(app, [one.format(data=data) for one in arguments])
     assert result.exit_code == 2
     assert why.format(data=data) in result.output + capfd.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "known"),
+    [
+        (["rollback", "7"], "no version 7; there are 0, 1"),
+        (["promote", "5"], "no round 5; there are 1, 2"),
+    ],
+)
+def test_what_no_learner_could_do_is_refused_at_once_and_not_kept(
+    data: Path, arguments: list[str], known: str
+) -> None:
+    result = RUN.invoke(app, [*arguments, "--reason", "x", "--data", str(data)])
+    assert result.exit_code == 2
+    assert known in result.output
+    store = SqlStore(sqlite_url(data / "learner.db"))
+    assert store.answers() == ()
+    store.close()
+
+
+def test_what_is_decided_is_kept_for_the_next_learner_and_listed(
+    data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("services.learner.versions.ANSWER_S", 0.0)
+    copied = tmp_path / "run"
+    shutil.copytree(data, copied)
+    result = RUN.invoke(app, ["promote", "2", "--reason", "looks fine", "--data", str(copied)])
+    assert result.exit_code == 0
+    assert "the next one does it" in result.output
+    listed = RUN.invoke(app, ["list", "--data", str(copied)])
+    assert "promote round 2 (looks fine): not done yet" in listed.output
