@@ -1,7 +1,9 @@
 # make setup   virtual environment in .venv with everything pinned; done once
 # make demo    the whole loop on this machine; ORACLE=1 lets the scripted person correct
+# make bench-page  what it costs eight robots that somebody looks; prints figures
+# make screenshots  the pictures of the README, of a `make demo` that runs beside it
 # make test    all checks and tests; what CI runs
-.PHONY: setup demo test lint pretrain clean
+.PHONY: setup demo test bench-page screenshots lint pretrain clean
 
 PYTHON ?= python3
 HLD = .venv/bin/hld
@@ -23,9 +25,23 @@ $(STAMP): pyproject.toml constraints.txt deploy/models.txt
 demo: setup
 	$(HLD) up $(if $(ORACLE),--oracle --episodes 12 --evaluate 20) $(ARGS)
 
+# The loop is tested alone, since robots in real time mind what runs beside them.
 test: SYSTEM = --browser
 test: setup lint
+ifdef ARGS
 	$(PYTEST) $(ARGS)
+else
+	$(PYTEST) --numprocesses 2 --dist loadfile --ignore tests/loop
+	$(PYTEST) tests/loop
+endif
+
+bench-page: SYSTEM = --browser
+bench-page: setup
+	.venv/bin/python -m tests.benchmarks.page $(ARGS)
+
+screenshots: SYSTEM = --browser
+screenshots: setup
+	.venv/bin/python -m tests.screenshots $(or $(ARGS),live player progress)
 
 lint: setup
 	.venv/bin/ruff check .

@@ -19,6 +19,7 @@ _SERVICES = {
     "actor": ("services.actor", "Robots on the bus."),
     "learner": ("services.learner", "Keep corrections, fine-tune the high level, publish it."),
     "api": ("services.correction_api", "People on the bus: HTTP and a web page."),
+    "token": ("services.correction_api.invite", "A token for a person who corrects."),
     "oracle": ("services.oracle", "A scripted person who corrects over HTTP."),
     "pretrain": ("services.learner.pretrain", "Demonstrations, and the first policies from them."),
     "evaluate": ("services.actor.judge", "Success on seeds that no correction came from."),

@@ -134,7 +134,12 @@ def start(plan: Plan, family: Family) -> None:
     family.add(
         "api",
         "services.correction_api",
-        *sets(port=plan.port, database=str(data / "api" / "corrections.sqlite"), **bus),
+        *sets(
+            port=plan.port,
+            database=str(data / "api" / "corrections.sqlite"),
+            evaluations=str(data / "evaluation"),
+            **bus,
+        ),
         *plan.sets_for("api"),
     )
     for index in range(plan.robots):

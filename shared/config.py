@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, NoReturn, TypeVar
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, SecretStr, ValidationError
 
 from shared.errors import ConfigError, nearest
 
@@ -66,6 +66,20 @@ def exit_misconfigured(section: str, error: Exception) -> NoReturn:
     """Say what is wrong in one line and end with exit code 2, which no restart can mend."""
     print(f"{section}: {error}", file=sys.stderr, flush=True)
     raise SystemExit(2) from None
+
+
+def make_folder(folder: Path) -> None:
+    """Make a folder for what is to be written, before the work of it begins.
+
+    Raises:
+        ConfigError: it can't be made, or not be written to.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ConfigError(f"cannot write into {folder}: {error.strerror}") from None
+    if not os.access(folder, os.W_OK):
+        raise ConfigError(f"cannot write into {folder}: it is read-only for this user")
 
 
 def _read_table(file: Path, section: str) -> Tree:
@@ -128,8 +142,17 @@ def _explain(error: ValidationError, model: type[BaseModel], section: str) -> st
             hint = nearest(path, _known(model))
             lines.append(f"unknown key {path!r} for the {section}{hint}")
         else:
-            lines.append(f"{section}.{path}: {problem['msg']}, not {problem['input']!r}")
+            where = f"{section}.{path}" if path else section
+            lines.append(f"{where}: {problem['msg']}{_given(problem, model)}")
     return "; ".join(lines)
+
+
+def _given(problem: Any, model: type[BaseModel]) -> str:
+    """What was given instead, unless it is all settings together, or may be a secret."""
+    place = problem["loc"]
+    field = model.model_fields.get(str(place[0])) if place else None
+    hidden = field is None or SecretStr.__name__ in repr(field)
+    return "" if hidden else f", not {problem['input']!r}"
 
 
 def _known(model: type[BaseModel], prefix: str = "") -> list[str]:

@@ -1,7 +1,8 @@
 """How sure a figure is: the interval that goes with each one that is reported, and paired tests.
 
-Rates have Wilson's interval. What is compared on the same seeds is compared pair by pair, and over
-several training seeds with both kinds of chance in it: which seed was trained, which scene came.
+Rates have Wilson's interval. What is compared on the same seeds is compared pair by pair, by
+Newcombe's interval; over several training seeds by a bootstrap with both kinds of chance in it:
+which seed was trained, which scene came.
 """
 
 import math
@@ -61,16 +62,39 @@ def mcnemar(first: Sequence[bool], second: Sequence[bool]) -> float:
     return float(min(1.0, 2 * tail / 2**n))
 
 
-def paired_difference(
-    first: Sequence[float], second: Sequence[float], seed: int = 0, draws: int = DRAWS
-) -> Difference:
-    """The mean of first less second over pairs, by the bootstrap over pairs (percentiles).
+def paired_difference(first: Sequence[bool], second: Sequence[bool]) -> Difference:
+    """The rate of first less that of second, over pairs; never without width, also near 0 and 1.
 
-    Source: Efron, Tibshirani 1993. Equal seeds give equal intervals.
+    Source: Newcombe 1998 (Statistics in Medicine 17:2635), method 10: Wilson's intervals of both
+    rates, put together with their correlation.
     Raises:
         ValueError: the two are not of one length, or empty.
     """
-    return seeds_difference([first], [second], seed, draws)
+    n = len(_gaps([first], [second])[0])
+    mine, its = sum(first), sum(second)
+    both = sum(one and other for one, other in zip(first, second, strict=True))
+    p1, p2 = mine / n, its / n
+    (low1, high1), (low2, high2) = wilson(mine, n), wilson(its, n)
+    phi = _correlation(both, mine - both, its - both, n - mine - its + both)
+    below = _joined(p1 - low1, high2 - p2, phi)
+    above = _joined(high1 - p1, p2 - low2, phi)
+    return Difference(p1 - p2, p1 - p2 - below, p1 - p2 + above)
+
+
+def _correlation(both: int, only_first: int, only_second: int, neither: int) -> float:
+    """φ of a table of pairs, less n/2 in its numerator where that is positive, as method 10 has it;
+    0 where one side never varies."""
+    n = both + only_first + only_second + neither
+    mine, its = both + only_first, both + only_second
+    margins = mine * (n - mine) * its * (n - its)
+    if not margins:
+        return 0.0
+    cross = both * neither - only_first * only_second
+    return (max(cross - n / 2, 0.0) if cross > 0 else cross) / math.sqrt(margins)
+
+
+def _joined(one: float, other: float, phi: float) -> float:
+    return math.sqrt(max(0.0, one**2 - 2 * phi * one * other + other**2))
 
 
 def seeds_difference(
@@ -82,15 +106,17 @@ def seeds_difference(
     """The same over training seeds × evaluation seeds: [S][N] outcomes each, paired in both.
 
     The bootstrap draws training seeds, and evaluation scenes once for all of them, since what is
-    hard in a scene is hard for each.
+    hard in a scene is hard for each. Where all pairs differ alike it has nothing to draw from, and
+    would claim to know exactly: then the interval is that of one training seed's pairs.
     Source: hierarchical bootstrap, as in Saravanan et al. 2020 (arXiv 2007.07797).
     Raises:
         ValueError: the two are not of one shape, or empty.
     """
     gaps = _gaps(first, second)  # [S, N]
-    chance = np.random.default_rng(seed)
     trainings, scenes = gaps.shape
-    means = np.empty(draws)
+    if np.ptp(gaps) == 0:
+        return paired_difference([bool(won) for won in first[0]], [bool(won) for won in second[0]])
+    chance, means = np.random.default_rng(seed), np.empty(draws)
     for draw in range(draws):
         rows = chance.integers(trainings, size=trainings)
         columns = chance.integers(scenes, size=scenes)

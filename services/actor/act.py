@@ -8,8 +8,9 @@ from services.actor.logbook import Logbook
 from services.actor.obey import Inbox
 from services.actor.observe import Observer
 from services.actor.record import Recorder
+from services.actor.understand import Listener, Moment
 from shared.clock import Clock
-from shared.messages.correction import AFTERWARDS, Correction
+from shared.messages.correction import AFTERWARDS, Correction, Kind
 from shared.messages.decision import Decision
 from shared.messages.episode import Episode, Outcome
 from shared.messages.heartbeat import RobotHeartbeat, RobotState
@@ -41,15 +42,17 @@ class Runner:
         recorder: Recorder,
         observer: Observer,
         inbox: Inbox,
+        listener: Listener,
         logbook: Logbook,
         clock: Clock,
     ) -> None:
         self.name, self._index, self._settings, self._clock = name, index, settings, clock
         self._robot, self._low_level, self._source = robot, low_level, source
         self._thinking, self._recorder, self._observer = thinking, recorder, observer
-        self._inbox, self._logbook = inbox, logbook
+        self._inbox, self._listener, self._logbook = inbox, listener, logbook
         self._asker = Asker(name, settings.help, logbook, clock)
         self._rollout: Rollout | None = None
+        self._halted = False  # Told to stand still between two episodes: the next begins so.
         self._started_ns = self._seed = 0
         self._resting_until = self._waiting_since = 0
         self._repeat_due = self._verdict_due = 0
@@ -61,6 +64,7 @@ class Runner:
             self._begin()
         moved = False
         self._inbox.obey(self._correct)
+        self._listener.offer(self._moment)
         if self._rollout is not None:
             moved = self._rollout.advance()
             self._mind_waiting(self._rollout)
@@ -76,6 +80,7 @@ class Runner:
         if self._rollout is not None:
             self._end(Outcome.ABORTED)
         self._inbox.close()
+        self._listener.close()
         self._observer.close()
         self._thinking.close()
         self._robot.close()
@@ -117,6 +122,7 @@ class Runner:
             scene=scene,
             decided=self._decided,
         )
+        self._rollout.paused, self._halted = self._halted, False
         self._beat()
 
     def _end(self, outcome: Outcome) -> None:
@@ -186,8 +192,15 @@ class Runner:
         now_ns = self._clock.now_ns()
         if correction.kind in AFTERWARDS:  # Never too late, and nothing to do here.
             return answer(correction, self.name, 0, now_ns)
+        if correction.kind is Kind.PAUSE:
+            self._halted = True
+            return answer(correction, self.name, 0, now_ns)
         why = f"episode {correction.episode} is over and the next one has not begun"
         return answer(correction, self.name, None, now_ns, why=why)
+
+    def _moment(self) -> Moment | None:
+        """What the robot senses now; None between two episodes."""
+        return Moment(self._robot.sense(), self._rollout.step) if self._rollout else None
 
     def _mind_waiting(self, rollout: Rollout) -> None:
         """While a decision awaits a word: show it again, and in the end go on without."""
@@ -234,7 +247,7 @@ class Runner:
 
     def _state(self) -> RobotState:
         if self._rollout is None:
-            return RobotState.IDLE
+            return RobotState.PAUSED if self._halted else RobotState.IDLE
         if self._rollout.paused:
             return RobotState.PAUSED
         if self._asker.waiting:

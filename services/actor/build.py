@@ -2,24 +2,24 @@
 
 import threading
 from contextlib import ExitStack
-from importlib.metadata import entry_points
 
 import torch
 
 from services.actor.act import Runner
 from services.actor.config import ActorSettings, Pace
+from services.actor.draw import Drawer
+from services.actor.kinds import make_robot
 from services.actor.logbook import Logbook
 from services.actor.obey import Inbox
 from services.actor.observe import Observer
 from services.actor.record import Recorder
 from services.actor.refresh import Refresh
+from services.actor.understand import Listener
 from shared.clock import SystemClock
-from shared.errors import ConfigError, nearest
 from shared.messages.policy import Version
 from shared.policies.checkpoint import bundled
 from shared.policies.high_level import HighLevel
 from shared.policies.low_level import LowLevel
-from shared.rollout.robot import Robot
 from shared.rollout.thinking import Beside, Lockstep, Thinking
 from shared.wire.bus import Bus, open_bus
 from shared.wire.delivery import Courier
@@ -60,6 +60,8 @@ class Actor:
             settings.robots,
         )
         self._closing.callback(self.refresh.close)
+        self._drawer = Drawer(settings.kind, settings.site, settings.skills)
+        self._closing.callback(self._drawer.close)
         self.runners = [
             self._runner(index, name, settings, bus, recorder, low_level)
             for index, name in enumerate(settings.robots, settings.first_index)
@@ -84,11 +86,16 @@ class Actor:
             source=self.refresh.of(name),
             thinking=make_thinking(settings),
             recorder=recorder,
-            observer=Observer(bus, fleet, name, self.clock, settings.frames),
+            observer=self._observer(name, settings, bus),
             inbox=Inbox(bus, fleet, name, self.wake),
+            listener=Listener(bus, fleet, name, low_level),
             logbook=Logbook(settings.data / f"{name}.json"),
             clock=self.clock,
         )
+
+    def _observer(self, name: str, settings: ActorSettings, bus: Bus) -> Observer:
+        fleet, drawn = settings.bus.fleet, self._drawer.photographer
+        return Observer(bus, fleet, name, self.clock, settings.frames, drawn)
 
     def close(self) -> None:
         """Deliver no more, and leave the bus; what was not delivered stays on disk."""
@@ -98,10 +105,12 @@ class Actor:
 def newest_on_disk(settings: ActorSettings) -> HighLevel:
     """The version that was taken up last, or the checkpoint to begin with."""
     cached = settings.data / "high_level"
-    if cached.exists():
-        return HighLevel.load(cached, settings.rollout.head)
-    start = HighLevel.load(settings.high_level or bundled("high_level"), settings.rollout.head)
-    start.version = NEVER_ANNOUNCED
+    begun = cached.exists()
+    folder = cached if begun else settings.high_level or bundled("high_level")
+    start = HighLevel.load(folder, settings.rollout.head)
+    start.check_memory(settings.rollout.looks, settings.rollout.history)
+    if not begun:
+        start.version = NEVER_ANNOUNCED
     return start
 
 
@@ -110,17 +119,3 @@ def make_thinking(settings: ActorSettings) -> Thinking:
     if settings.pace is Pace.REAL_TIME:
         return Beside()
     return Lockstep(settings.rollout.latency_steps)
-
-
-def make_robot(kind: str, site: str, skills: int | None = None) -> Robot:
-    """A robot of the kind that some installed package offers.
-
-    Raises:
-        ConfigError: no package offers such a kind; the message names those that are there.
-    """
-    offered = {entry.name: entry for entry in entry_points(group="hl_dagger.robots")}
-    if kind not in offered:
-        raise ConfigError(f"no robot of kind {kind!r}{nearest(kind, offered)}")
-    made = offered[kind].load()
-    robot: Robot = made(site) if skills is None else made(site, skills)
-    return robot

@@ -28,9 +28,13 @@ class Refresh(StrEnum):
 
 
 class FrameSettings(Settings):
-    """Pictures for people; rendered only while somebody watches."""
+    """Pictures for people; rendered only while somebody watches.
+
+    rate_hz: of the robot that somebody looks at; slow_hz: of those that are only in view beside it.
+    """
 
     rate_hz: Annotated[float, Field(gt=0, le=60)] = 8.0
+    slow_hz: Annotated[float, Field(gt=0, le=60)] = 2.0
     width: Annotated[int, Field(ge=64, le=1280)] = 400
     height: Annotated[int, Field(ge=64, le=1280)] = 300
     quality: Annotated[int, Field(ge=10, le=100)] = 85

@@ -4,16 +4,17 @@ import json
 import os
 import shlex
 import sys
+from contextlib import closing
 from pathlib import Path
 from typing import Annotated, Any, Optional
 
 import typer
 from rich.console import Console
-from rich.progress import track
 from rich.table import Table
 
-from shared.config import exit_misconfigured, load_or_exit
+from shared.config import exit_misconfigured, load_or_exit, make_folder
 from shared.errors import HldError
+from shared.progress import Bars
 from shared.rollout.settings import RolloutSettings
 from shared.service import die_with_supervisor, interrupt_at_sigterm, run_command
 
@@ -52,12 +53,14 @@ def main(
 
     settings: dict[str, Any] = {"site": site, "low_level": low_level, "skills": skills}
     if task:
-        settings["tasks"] = tuple(name for text in task for name in text.split(","))
+        settings["tasks"] = tuple(name.strip() for text in task for name in text.split(","))
     settings["rollout"] = load_or_exit(RolloutSettings, "rollout", sets=set_ or ())
     try:
         settings["high_level"] = find_high_level(high_level, data)
         plan = Plan(**settings, seeds=parse_seeds(seeds))
         plan.check()
+        if report:
+            make_folder(report.parent)
     except HldError as error:
         exit_misconfigured("evaluate", error)
     die_with_supervisor()
@@ -80,13 +83,16 @@ def _evaluate(plan: Any, high_level: str, file: Path | None, processes: int) -> 
 
     kept = file.with_suffix(".rows.jsonl") if file else None
     cases = len(plan.cases())
-    with Pool(min(processes or os.cpu_count() or 1, cases)) as pool:
-        found = evaluate(plan, pool, kept)
-        rows = list(track(found, total=cases, description=f"{high_level} at {plan.site}"))
+    console = Console()
+    with closing(Bars(console)) as bars, Pool(min(processes or os.cpu_count() or 1, cases)) as pool:
+        tell, rows = bars(f"{high_level} at {plan.site}", cases), []
+        for row in evaluate(plan, pool, kept):
+            rows.append(row)
+            tell()
     content = report(plan, rows, high_level, shlex.join(["hld", "evaluate", *sys.argv[1:]]))
     if file:
         file.write_text(json.dumps(content, indent=2, ensure_ascii=False) + "\n")
-    Console().print(_table(content))
+    console.print(_table(content))
 
 
 def _table(content: dict[str, Any]) -> Table:

@@ -37,7 +37,7 @@ def run(
 def _real_time(runners: Sequence[Runner], period_ns: int, clock: Clock, stop: Stop) -> None:
     due = clock.monotonic_ns()
     turns = late = 0
-    report = due + LATE_REPORT_NS
+    began, report = due, due + LATE_REPORT_NS
     while not stop:
         for runner in runners:
             runner.tick()
@@ -49,8 +49,9 @@ def _real_time(runners: Sequence[Runner], period_ns: int, clock: Clock, stop: St
             due = now
         clock.sleep_ns(due - now)
         if now >= report:
-            log.info("control loop", turns=turns, late=late)
-            turns, late, report = 0, 0, now + LATE_REPORT_NS
+            lasted_s = round((now - began) / 1e9, 2)
+            log.info("control loop", turns=turns, late=late, lasted_s=lasted_s)
+            turns, late, began, report = 0, 0, now, now + LATE_REPORT_NS
 
 
 def _lockstep(runners: Sequence[Runner], stop: Stop, wake: threading.Event) -> None:

@@ -1,10 +1,9 @@
 """Observe: tell the fleet what a robot does, and show pictures while somebody watches."""
 
 import contextlib
-import os
 import queue
-import sys
 import threading
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,7 +12,8 @@ import structlog
 
 from services.actor.config import FrameSettings
 from shared.clock import Clock
-from shared.messages.frame import Frame
+from shared.errors import NoAnswerError
+from shared.messages.frame import Channel, Frame, Rate
 from shared.messages.heartbeat import RobotHeartbeat
 from shared.messages.observation import CAMERAS
 from shared.rollout.robot import Photographer, Robot
@@ -23,6 +23,7 @@ from shared.wire.codec import encode
 from shared.wire.keys import robot_key
 
 HEARTBEAT_NS = 500_000_000
+CLOSE_WITHIN_S = 2.0
 log = structlog.get_logger()
 
 
@@ -31,7 +32,7 @@ class _Moment(NamedTuple):
 
     robot: Robot
     snapshot: Any
-    cameras: dict[str, int]  # to the sequence number of the picture
+    channels: dict[Channel, int]  # to the sequence number of the picture
     episode: str
     step: int
     time_ns: int
@@ -40,20 +41,31 @@ class _Moment(NamedTuple):
 class Observer:
     """What one robot tells of itself, at most as often as is useful.
 
-    Pictures are drawn in a thread of their own: a control step takes 20 ms, a picture may take
+    What is watched at both rates is drawn once, and what nobody watches not at all.
+
+    Pictures are asked for in a thread of its own: a control step takes 20 ms, a picture may take
     as long. While one is being drawn the newest moment waits, and the one before is skipped;
     `sequence` counts it all the same, so that whoever watches sees the gap.
     """
 
     def __init__(
-        self, bus: Bus, fleet: str, robot: str, clock: Clock, frames: FrameSettings
+        self,
+        bus: Bus,
+        fleet: str,
+        robot: str,
+        clock: Clock,
+        frames: FrameSettings,
+        drawn: Callable[[], Photographer] | None = None,
     ) -> None:
+        """drawn: makes who draws elsewhere, where snapshots are numbers; else it is done here."""
         self._bus, self._clock, self._frames = bus, clock, frames
-        self._keys = {camera: robot_key(fleet, robot, f"frame-{camera}") for camera in CAMERAS}
+        channels = (Channel(camera, rate) for rate in Rate for camera in CAMERAS)
+        self._keys = {channel: robot_key(fleet, robot, channel.message) for channel in channels}
+        self._slow_every = max(1, round(frames.rate_hz / frames.slow_hz))
         self._heartbeat_key = robot_key(fleet, robot, "heartbeat")
-        self._name = robot
-        self._heartbeat_due = self._frame_due = 0
-        self._sequence = dict.fromkeys(CAMERAS, 0)
+        self._name, self._drawn = robot, drawn
+        self._heartbeat_due = self._frame_due = self._turns = 0
+        self._sequence = dict.fromkeys(self._keys, 0)
         self._waiting: queue.Queue[_Moment | None] = queue.Queue(1)
         self._thread = threading.Thread(target=self._draw, name=f"pictures-{robot}", daemon=True)
         self._thread.start()
@@ -73,18 +85,24 @@ class Observer:
         if now < self._frame_due:
             return
         self._frame_due = now + int(1e9 / self._frames.rate_hz)
-        watched = [camera for camera in CAMERAS if self._bus.watched(self._keys[camera])]
-        for camera in watched:
-            self._sequence[camera] += 1
+        watched = [channel for channel in self._due() if self._bus.watched(self._keys[channel])]
+        for channel in watched:
+            self._sequence[channel] += 1
         if watched:
-            cameras = {camera: self._sequence[camera] for camera in watched}
+            channels = {channel: self._sequence[channel] for channel in watched}
             snapshot, time_ns = robot.snapshot(), self._clock.now_ns()
-            self._offer(_Moment(robot, snapshot, cameras, rollout.episode, rollout.step, time_ns))
+            self._offer(_Moment(robot, snapshot, channels, rollout.episode, rollout.step, time_ns))
+
+    def _due(self) -> list[Channel]:
+        """Every so many turns the slow ones, too, so that one picture does for both."""
+        slow = self._turns % self._slow_every == 0
+        self._turns += 1
+        return [channel for channel in self._keys if slow or channel.rate is Rate.FULL]
 
     def close(self) -> None:
-        """Draw no more."""
+        """Draw no more; a picture that takes its time is not waited for."""
         self._offer(None)
-        self._thread.join()
+        self._thread.join(CLOSE_WITHIN_S)
 
     def _offer(self, moment: _Moment | None) -> None:
         while True:
@@ -95,32 +113,45 @@ class Observer:
                     self._waiting.get_nowait()
 
     def _draw(self) -> None:
-        if sys.platform == "linux":  # There a thread has a priority of its own: the robot first.
-            os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), 10)
         photographer: Photographer | None = None
         while (moment := self._waiting.get()) is not None:
             try:
-                photographer = photographer or moment.robot.photographer()
-                for camera in moment.cameras:
-                    self._publish(moment, camera, photographer)
+                photographer = photographer or self._hire(moment)
+                for camera in dict.fromkeys(channel.camera for channel in moment.channels):
+                    jpeg = self._picture(moment, camera, photographer)
+                    self._publish(moment, camera, jpeg)
+            except NoAnswerError as error:
+                log.info("no picture", robot=self._name, reason=str(error))
             except Exception:  # It must not end the pictures, let alone the robot.
                 log.exception("no picture", robot=self._name)
         if photographer:
             photographer.close()
 
-    def _publish(self, moment: _Moment, camera: str, photographer: Photographer) -> None:
+    def _hire(self, moment: _Moment) -> Photographer:
+        if self._drawn and isinstance(moment.snapshot, np.ndarray):
+            return self._drawn()
+        return moment.robot.photographer()
+
+    def _picture(self, moment: _Moment, camera: str, photographer: Photographer) -> bytes:
         frames = self._frames
         picture = photographer.picture(moment.snapshot, camera, frames.width, frames.height)
-        jpeg = simplejpeg.encode_jpeg(
+        jpeg: bytes = simplejpeg.encode_jpeg(
             np.ascontiguousarray(picture), quality=frames.quality, colorspace="RGB"
         )
-        frame = Frame(
-            robot=self._name,
-            episode=moment.episode,
-            step=moment.step,
-            camera=camera,
-            sequence=moment.cameras[camera],
-            time_ns=moment.time_ns,
-            arrays={"jpeg": np.frombuffer(jpeg, np.uint8)},
-        )
-        self._bus.put(self._keys[camera], encode(frame), Urgency.BACKGROUND, droppable=True)
+        return jpeg
+
+    def _publish(self, moment: _Moment, camera: str, jpeg: bytes) -> None:
+        for channel, sequence in moment.channels.items():
+            if channel.camera != camera:
+                continue
+            frame = Frame(
+                robot=self._name,
+                episode=moment.episode,
+                step=moment.step,
+                camera=camera,
+                sequence=sequence,
+                time_ns=moment.time_ns,
+                arrays={"jpeg": np.frombuffer(jpeg, np.uint8)},
+            )
+            key = self._keys[channel]
+            self._bus.put(key, encode(frame), Urgency.BACKGROUND, droppable=True)

@@ -10,7 +10,7 @@ import typer
 from pydantic import ValidationError
 from rich.console import Console
 
-from shared.config import exit_misconfigured
+from shared.config import exit_misconfigured, make_folder
 from shared.errors import ConfigError, HldError
 from shared.seeds import EVALUATION
 from shared.service import run_command
@@ -40,6 +40,8 @@ def main(
         setting = Setting(seed=EVALUATION.start + seed, task=task, holding=holding, lead=lead)
         if not phrase.strip():
             raise ConfigError("say something, such as 'pick up the cheese'")
+        if report:
+            make_folder(report.parent)
         speaker = Speaker(Phrases(site=site, low_level=low_level))
         said: Said = speaker(Trial(setting=setting, phrase=phrase, steps=steps))
     except ValidationError as error:
@@ -61,11 +63,11 @@ def main(
         "reason": said.refused,
         "nearest": [near._asdict() for near in said.nearest],
         "achieved": said.achieved,
+        "already": said.already,
         "done": list(said.done),
         "steps": said.steps,
     }
     if report:
-        report.parent.mkdir(parents=True, exist_ok=True)
         report.write_text(json.dumps(content, indent=2, ensure_ascii=False) + "\n")
     _show(content)
 
@@ -77,7 +79,8 @@ def _show(content: dict[str, Any]) -> None:
     if content["refused"]:
         console.print(f"refused: {content['reason']}", markup=False)
     else:
-        done = content["achieved"] or "nothing"
+        nothing = "nothing, it was so before" if content["already"] else "nothing"
+        done = content["achieved"] or nothing
         console.print(f"achieved: {done}, {content['steps']} steps", markup=False)
 
 

@@ -13,7 +13,7 @@ from services.correction_api.hindsight import Hindsight, Place
 from services.correction_api.metrics import Metrics
 from services.correction_api.problems import Problem, shorten, unavailable
 from services.correction_api.store.episodes import Episodes
-from services.correction_api.store.log import Entry, Log, Status
+from services.correction_api.store.log import Closed, Entry, Log, Status
 from services.correction_api.topic import Topics
 from services.correction_api.utterance import Utterance
 from services.correction_api.views import Presence
@@ -22,8 +22,10 @@ from shared.clock import Clock
 from shared.errors import nearest
 from shared.messages.correction import AFTERWARDS, Correction
 from shared.messages.message import new_id
+from shared.messages.phrase import PhraseAnswer
 
 MAX_ID = 64
+Understood = Callable[[str, str], PhraseAnswer | None]
 
 
 class Desk:
@@ -38,8 +40,11 @@ class Desk:
         metrics: Metrics,
         answer_s: float,
         settle_s: float,
+        understood: Understood,
     ) -> None:
+        """understood: what the low level of a robot makes of a phrase; None: none can be asked."""
         self._watch, self._log, self._clock = watch, kept, clock
+        self._understood = understood
         self._topics = Topics(watch, episodes)
         self._hindsight = Hindsight(watch, episodes, kept, self.find)
         self._metrics, self._answer_s = metrics, answer_s
@@ -65,19 +70,27 @@ class Desk:
         name: the client's own id, which makes it safe to send the same again.
 
         Raises:
-            Problem: unknown robot or decision, an episode that is over, or an id used otherwise.
+            Problem: unknown robot or decision, an episode that is over, an id used otherwise, or
+                words about the past that the low level doesn't understand.
             StoreError: it could not be kept.
         """
         digest = said.digest(robot)
         if name and (entry := await asyncio.to_thread(self._log.find, name)):
             return await self._outcome(_same(entry, digest), self._answer_s)
         place = await self._locate(robot, said)
+        doubt = await self._read(robot, said)
         now_ns = self._clock.now_ns()
         correction = said.formulate(
             name or new_id("say"), robot, place.episode, place.seen_step, now_ns
         )
-        entry = await self._keep(correction, digest, Status.KEPT if place.over else Status.PENDING)
+        status = Status.KEPT if place.over else Status.PENDING
+        entry = await self._keep(correction, digest, status, doubt)
         return await self._outcome(_same(entry, digest), self._patience_s(robot))
+
+    @property
+    def settled(self) -> bool:
+        """A robot that has not spoken by now is none."""
+        return self._clock.monotonic_ns() >= self._settled_ns
 
     def find(self, robot: str) -> Sight:
         """What is known of a robot now.
@@ -90,7 +103,7 @@ class Desk:
         except KeyError:
             pass
         names = self._watch.names()
-        if self._clock.monotonic_ns() < self._settled_ns:
+        if not self.settled:
             detail = f"robot {shorten(robot)} has not spoken yet since this service started"
             raise unavailable("starting", "Not heard of yet", detail)
         hint = nearest(robot[:MAX_ID], names) or "; no robot has been heard of yet"
@@ -98,8 +111,9 @@ class Desk:
             404, "unknown-robot", "No robot has this id", f"no robot {shorten(robot)}{hint}"
         )
 
-    def close(self, entry: Entry) -> None:
-        """A receipt came, or the time ran out: tell those who wait."""
+    def close(self, closed: Closed) -> None:
+        """A receipt came, or the time ran out: tell those who wait, and whom it concerns."""
+        entry = closed.entry
         self._metrics.closed.labels(entry.status).inc()
         if entry.receipt:
             waited_ns = self._clock.now_ns() - entry.correction.created_ns
@@ -109,11 +123,29 @@ class Desk:
         if waiting and not waiting.done():
             waiting.set_result(entry)
         self._spoken(entry)
+        if closed.replaced:
+            self._spoken(closed.replaced)
 
     async def _locate(self, robot: str, said: Utterance) -> Place:
         if said.kind in AFTERWARDS:
             return await self._hindsight.find(robot, said)
         return Place(*await self._topics.find(robot, said, self.find(robot)), over=False)
+
+    async def _read(self, robot: str, said: Utterance) -> str:
+        """Why it isn't known whether words about the past are understood; "" where they are.
+
+        What is said now the robot itself refuses, by its receipt.
+        """
+        if said.text is None or said.kind not in AFTERWARDS:
+            return ""
+        answer = await asyncio.to_thread(self._understood, robot, said.text)
+        if answer is None:
+            return "no robot could be asked whether its low level understands this"
+        if answer.means is None:
+            nearest = [near.command for near in answer.nearest]
+            title = "No robot could obey this"
+            raise Problem(422, "not-understood", title, answer.refused, nearest=nearest)
+        return ""
 
     def _patience_s(self, robot: str) -> float:
         """How long to wait for a receipt: not at all for one from a robot that is away."""
@@ -122,12 +154,12 @@ class Desk:
         presence, _ = self._watch.presence(self._watch.look(robot).heard_ns)
         return 0.0 if presence is Presence.OFFLINE else self._answer_s
 
-    async def _keep(self, correction: Correction, digest: str, status: Status) -> Entry:
+    async def _keep(self, correction: Correction, digest: str, status: Status, doubt: str) -> Entry:
         """Commit, then send what a robot has to hear; the first one of an id stays."""
         name = correction.id
         self._waiting.setdefault(name, asyncio.get_running_loop().create_future())
         try:
-            entry = await asyncio.wrap_future(self._log.append(correction, digest, status))
+            entry = await asyncio.wrap_future(self._log.append(correction, digest, status, doubt))
         except BaseException:
             self._waiting.pop(name, None)
             raise

@@ -10,18 +10,17 @@ import structlog
 from services.correction_api.live import View
 from services.correction_api.metrics import Metrics
 from shared.errors import HldError, MessageError
-from shared.messages.frame import Frame
+from shared.messages.frame import Channel, Frame
 from shared.wire.bus import Bus, Subscription
 from shared.wire.codec import decode
 from shared.wire.keys import parse, robot_key
 
 QUEUED_FRAMES = 2
-PREFIX = "frame-"
 log = structlog.get_logger()
 
 
 class Cameras:
-    """Holds one subscription per camera that somebody looks at.
+    """Holds one subscription per camera and rate that somebody looks at.
 
     Subscribing may wait for the network, so it is done in a thread of its own.
     """
@@ -62,7 +61,8 @@ class Cameras:
         for view in self._subscriptions.keys() - views:
             self._subscriptions.pop(view).close()
         for view in views - self._subscriptions.keys():
-            key = robot_key(self._fleet, view.robot, PREFIX + view.camera)
+            channel = Channel(view.camera, view.rate)
+            key = robot_key(self._fleet, view.robot, channel.message)
             self._subscriptions[view] = self._bus.subscribe(key, self._take, capacity=QUEUED_FRAMES)
 
     def _take(self, key: str, payload: bytes) -> None:
@@ -74,7 +74,7 @@ class Cameras:
             return
         self._metrics.frames.inc()
         address = parse(key)
-        self._show(View(address.id, address.message.removeprefix(PREFIX)), picture)
+        self._show(View(address.id, *Channel.parse(address.message)), picture)
 
 
 def pack(frame: Frame) -> bytes:

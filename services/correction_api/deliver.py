@@ -13,7 +13,7 @@ from concurrent.futures import ThreadPoolExecutor
 import structlog
 
 from services.correction_api.config import DeliverySettings
-from services.correction_api.store.log import Entry, Log
+from services.correction_api.store.log import Closed, Entry, Log
 from services.correction_api.store.writer import StoreError
 from shared.clock import Clock
 from shared.errors import HldError, MessageError
@@ -28,7 +28,8 @@ log = structlog.get_logger()
 class Messenger:
     """Takes corrections to their robots. Everything but `ask` runs on the event loop.
 
-    closed: called on the event loop with each entry that got its receipt or expired.
+    closed: called on the event loop with each entry that got its receipt or expired, and with
+        the one that it ended.
     """
 
     def __init__(
@@ -38,7 +39,7 @@ class Messenger:
         kept: Log,
         clock: Clock,
         settings: DeliverySettings,
-        closed: Callable[[Entry], None],
+        closed: Callable[[Closed], None],
     ) -> None:
         self._bus, self._fleet, self._log, self._clock = bus, fleet, kept, clock
         self._settings, self._closed = settings, closed

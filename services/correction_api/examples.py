@@ -27,6 +27,10 @@ ROBOT: Json = {
     "by": "policy",
     "chosen_by": "1.0",
     "author": None,
+    "course": [
+        {"step": 0, "text": "pick up the bread", "by": "policy"},
+        {"step": 60, "text": "pick up the tomato", "by": "policy"},
+    ],
     "decision": {
         "id": "ep-5f1c-3",
         "index": 3,
@@ -106,11 +110,52 @@ CORRECTION: Json = {
         "time_ns": 1_795_442_402_004_000_000,
     },
     "reason": "",
+    "replaced_by": None,
     "sequence": 12,
     "phrase": {"known": True, "nearest": []},
+    "learned_in": "1.1",
+    "held_out": False,
 }
 
-PENDING: Json = CORRECTION | {"status": "pending", "receipt": None}
+PENDING: Json = CORRECTION | {"status": "pending", "receipt": None, "learned_in": None}
+
+_PAUSE: Json = {"kind": "pause", "goal": None, "decision": None, "seen_step": None}
+
+PAUSED: Json = {
+    "id": "stop-0a1b2c3d",
+    "robots": [
+        {
+            "robot": "robot-1",
+            "status": "in force",
+            "reason": "",
+            "correction": CORRECTION
+            | {"correction": CORRECTION["correction"] | _PAUSE}
+            | {"phrase": None, "learned_in": None},
+        },
+        {
+            "robot": "robot-2",
+            "status": "refused",
+            "reason": "robot-2 is between two episodes; wait until the next one has begun",
+            "correction": None,
+        },
+    ],
+}
+
+COMMANDS: Json = {
+    "robot": "robot-1",
+    "commands": ["pick up the bread", "pick up the cheese", "put it on the plate", "wait"],
+    "asked": True,
+}
+
+UNDERSTOOD: Json = {
+    "robot": "robot-1",
+    "text": "grab the yellow slice",
+    "step": 64,
+    "known": False,
+    "means": "pick up the cheese",
+    "refused": "",
+    "nearest": [{"command": "pick up the cheese", "score": 0.93}],
+}
 
 CORRECTIONS: Json = {"corrections": [CORRECTION], "next": "12"}
 
@@ -130,12 +175,6 @@ EPISODE: Json = {
     "corrections": 2,
     "started_ns": 1_795_442_400_000_000_000,
     "ended_ns": 1_795_442_410_240_000_000,
-}
-
-EPISODES: Json = {
-    "episodes": [EPISODE],
-    "tally": [{"version": "1.0", "episodes": 20, "successes": 6, "corrections": 88}],
-    "next": None,
 }
 
 LEARNER: Json = {
@@ -159,6 +198,35 @@ LEARNER: Json = {
         "low_level_sha256": "5d" * 32,
     },
     "outbox": 0,
+}
+
+
+SPEECH: Json = {
+    "available": True,
+    "reason": "",
+    "engines": [
+        {
+            "engine": "pocketsphinx",
+            "available": True,
+            "install": "pip install 'hl-dagger[speech]'",
+        },
+        {"engine": "whisper", "available": False, "install": "pip install 'hl-dagger[whisper]'"},
+    ],
+    "media_type": "audio/l16; rate=16000",
+    "max_s": 15.0,
+    "commands": ["pick up the tomato", "pick up the cheese", "wait"],
+}
+
+RECOGNITION: Json = {
+    "heard": [
+        {
+            "engine": "pocketsphinx",
+            "text": "no the cheese first",
+            "command": "pick up the cheese",
+        },
+    ],
+    "agreed": None,
+    "choices": ["pick up the cheese"],
 }
 
 

@@ -4,7 +4,6 @@ A page of somebody else's must not be able to command a robot: neither by a form
 WebSocket, nor by a host name of its own that it points at 127.0.0.1.
 """
 
-import hmac
 from collections.abc import Iterable
 from urllib.parse import urlsplit
 
@@ -12,11 +11,16 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from services.correction_api.config import ApiSettings, is_loopback
+from services.correction_api.people import People
 from services.correction_api.problems import Problem
 
 MAX_BODY_BYTES = 64 * 1024
+SPEECH = "/api/v1/speech"
+SPEECH_BYTES_S = 32_000  # 16,000 samples a second of 2 bytes.
 SAFE = ("GET", "HEAD", "OPTIONS")
 OPEN = ("/healthz", "/readyz")
+PERSON = "hl_dagger.person"
+"""Key of the scope: the name of whoever has the token that came; None where tokens have none."""
 POLICY = (
     "default-src 'self'; img-src 'self' blob: data:; object-src 'none'; base-uri 'none'; "
     "form-action 'none'; frame-ancestors 'none'"
@@ -33,6 +37,7 @@ class Gate:
 
     def __init__(self, app: ASGIApp, settings: ApiSettings) -> None:
         self._app, self._settings = app, settings
+        self._people = People(settings.token, settings.people)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] not in ("http", "websocket"):
@@ -40,11 +45,11 @@ class Gate:
             return
         scope = self._placed(scope)
         try:
-            self._check(scope)
+            scope[PERSON] = self._check(scope)
         except Problem as problem:
             await problem.response(scope["path"])(scope, receive, _marked(send))
             return
-        await self._app(scope, _limited(receive), _marked(send))
+        await self._app(scope, _limited(receive, self._limit(scope)), _marked(send))
 
     def _placed(self, scope: Scope) -> Scope:
         """The scope below the path prefix, whether a proxy took it off or left it."""
@@ -53,20 +58,29 @@ class Gate:
             path = prefix + path
         return {**scope, "root_path": prefix, "path": path}
 
-    def _check(self, scope: Scope) -> None:
+    def _check(self, scope: Scope) -> str | None:
+        """Whose token it has, where tokens have names."""
         headers = Headers(scope=scope)
         self._check_host(headers)
         if scope["type"] == "websocket" or scope["method"] not in SAFE:
             self._check_origin(headers)
-        self._check_token(scope, headers)
+        person = self._recognize(scope, headers)
         length = headers.get("content-length", "0")
-        if not length.isdecimal() or int(length) > MAX_BODY_BYTES:
-            raise _too_large()
+        limit = self._limit(scope)
+        if not length.isdecimal() or int(length) > limit:
+            raise _too_large(limit)
+        return person
+
+    def _limit(self, scope: Scope) -> int:
+        """The bytes that a body may have: sound is larger than words."""
+        if scope["path"].removeprefix(self._settings.prefix) == SPEECH:
+            return int(self._settings.speech.max_s * SPEECH_BYTES_S)
+        return MAX_BODY_BYTES
 
     def _check_host(self, headers: Headers) -> None:
         """Without a token, the name by which it is called must be this machine's."""
         host = urlsplit(f"//{headers.get('host', '')}").hostname or ""
-        if self._settings.token or is_loopback(host) or host in self._settings.hosts:
+        if self._people.guarded or is_loopback(host) or host in self._settings.hosts:
             return
         detail = f"{host!r} is no name of this service; use 127.0.0.1, or add it to `hosts`"
         raise Problem(403, "host", "Not under this name", detail)
@@ -81,20 +95,20 @@ class Gate:
         detail = f"a page from {origin} may not do this; open the page of this service"
         raise Problem(403, "origin", "Another origin", detail)
 
-    def _check_token(self, scope: Scope, headers: Headers) -> None:
-        token = self._settings.token
+    def _recognize(self, scope: Scope, headers: Headers) -> str | None:
         path = scope["path"].removeprefix(self._settings.prefix)
-        if token is None or not _guarded(path):
-            return
-        given = _tokens(headers, scope.get("subprotocols", ()))
-        if not any(hmac.compare_digest(given_one, token.get_secret_value()) for given_one in given):
+        if not (self._people.guarded and _guarded(path)):
+            return None
+        holder = self._people.find(_tokens(headers, scope.get("subprotocols", ())))
+        if holder is None:
             raise Problem(
                 401,
                 "token",
                 "A token is needed",
-                "send the header `Authorization: Bearer TOKEN` with the token of this service",
+                "send the header `Authorization: Bearer TOKEN` with your token of this service",
                 headers={"WWW-Authenticate": "Bearer"},
             )
+        return holder.name
 
 
 def _guarded(path: str) -> bool:
@@ -109,7 +123,7 @@ def _tokens(headers: Headers, subprotocols: Iterable[str]) -> list[str]:
     return [*found, token] if scheme.lower() == "bearer" else found
 
 
-def _limited(receive: Receive) -> Receive:
+def _limited(receive: Receive, limit: int) -> Receive:
     """Count a body that did not say how long it is."""
     taken = 0
 
@@ -118,8 +132,8 @@ def _limited(receive: Receive) -> Receive:
         message = await receive()
         if message["type"] == "http.request":
             taken += len(message.get("body", b""))
-            if taken > MAX_BODY_BYTES:
-                raise _too_large()
+            if taken > limit:
+                raise _too_large(limit)
         return message
 
     return limited
@@ -134,6 +148,8 @@ def _marked(send: Send) -> Send:
     return marked
 
 
-def _too_large() -> Problem:
-    detail = f"at most {MAX_BODY_BYTES} bytes; a command has at most 200 characters"
+def _too_large(limit: int) -> Problem:
+    words = f"at most {limit} bytes; a command has at most 200 characters"
+    sound = f"at most {limit} bytes, {limit / SPEECH_BYTES_S:g} s of speech; say it shorter"
+    detail = words if limit == MAX_BODY_BYTES else sound
     return Problem(413, "too-large", "The body is too large", detail)

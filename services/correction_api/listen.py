@@ -1,5 +1,6 @@
 """Listen: takes what robots and learner say off the bus, and writes it on the watch's board."""
 
+from collections import deque
 from collections.abc import Callable
 from typing import TypeVar
 
@@ -14,11 +15,14 @@ from shared.errors import MessageError
 from shared.messages.decision import Decision
 from shared.messages.episode import Episode
 from shared.messages.heartbeat import LearnerHeartbeat, RobotHeartbeat
+from shared.messages.help import Help
 from shared.messages.message import Message
 from shared.messages.policy import PolicyAnnouncement
 from shared.wire.bus import Bus, Handler
 from shared.wire.codec import decode
 from shared.wire.keys import any_robot, any_service, parse
+
+REMEMBERED_CALLS = 1024
 
 M = TypeVar("M", bound=Message)
 log = structlog.get_logger()
@@ -38,6 +42,7 @@ class Listener:
     ) -> None:
         self._watch, self._calls = watch, calls
         self._episodes, self._metrics = episodes, metrics
+        self._called: deque[str] = deque(maxlen=REMEMBERED_CALLS)
         take = self._taking
         self._subscriptions = [
             bus.subscribe(any_robot(fleet, "heartbeat"), take(RobotHeartbeat, self._beat)),
@@ -62,7 +67,19 @@ class Listener:
 
     def _decide(self, decision: Decision) -> None:
         self._calls.tell(decision.robot, decision.help, decision.time_ns)
+        if decision.help:
+            self._keep(decision.episode, decision.help)
         self._watch.decision(decision)  # It rings for who waits, and reads the queue then.
+
+    def _keep(self, episode: str, help: Help) -> None:
+        """A call lasts over many decisions, and is written once."""
+        if help.decision in self._called:
+            return
+        self._called.append(help.decision)
+        try:
+            self._episodes.call(episode, help)
+        except StoreError as error:
+            log.warning("a call for help is not in the history", reason=str(error))
 
     def _end(self, episode: Episode) -> None:
         self._calls.tell(episode.robot, None, episode.ended_ns)

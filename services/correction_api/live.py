@@ -10,8 +10,10 @@ from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 from services.correction_api.bell import Bell
+from shared.messages.frame import Rate
 
 CAPACITY = 512
+WINDOW = 32  # messages that may be under way to a page that says how many it has taken in
 
 Content = str | bytes
 Render = Callable[[], Content | None]
@@ -26,21 +28,43 @@ class Slot(NamedTuple):
 
 
 class View(NamedTuple):
-    """One camera of one robot."""
+    """One camera of one robot, looked at all the time or only now and then."""
 
     robot: str
     camera: str
+    rate: Rate = Rate.FULL
 
 
 class Client:
-    """One open page: what waits to be sent to it, and the cameras that it looks at."""
+    """One open page: what waits to be sent to it, and the cameras that it looks at.
 
-    def __init__(self, bell: Bell, dropped: Callable[[str], None]) -> None:
+    A page that is busy would let messages pile up in its browser, where nothing replaces them. So
+    one that tells what it has taken in gets no more than `WINDOW` beyond that.
+
+    name: who sits before it, if they said so. focus: the robot that they have before them.
+    """
+
+    def __init__(self, bell: Bell, dropped: Callable[[str], None], name: str | None = None) -> None:
         self.bell = bell
+        self.name = name
+        self.focus: str | None = None
         self.views: frozenset[View] = frozenset()
         self._dropped = dropped
         self._waiting: OrderedDict[Slot, Render] = OrderedDict()
+        self._sent = 0
+        self._taken: int | None = None
         self._lock = threading.Lock()
+
+    def acknowledge(self, taken: int) -> None:
+        """The page has taken in so many messages since it was opened. Any thread."""
+        with self._lock:
+            self._taken = taken
+        self.bell.ring()
+
+    @property
+    def counts(self) -> bool:
+        """It tells what it has taken in, and so that it is there."""
+        return self._taken is not None
 
     def offer(self, slot: Slot, render: Render) -> None:
         """Queue something; `render` is called when it is sent. Any thread."""
@@ -57,10 +81,12 @@ class Client:
         """The next thing to send, rendered now; None when nothing waits."""
         while True:
             with self._lock:
-                if not self._waiting:
+                full = self._taken is not None and self._sent - self._taken >= WINDOW
+                if full or not self._waiting:
                     return None
                 _, render = self._waiting.popitem(last=False)
             if (content := render()) is not None:
+                self._sent += 1
                 return content
 
     def __len__(self) -> int:
@@ -106,6 +132,19 @@ class Live:
         for client in self._clients:
             if view in client.views:
                 client.offer(slot, lambda: picture)
+
+    def people(self) -> dict[str, set[str]]:
+        """Who is here, by name: the robots that they have in focus, over all their pages."""
+        here: dict[str, set[str]] = {}
+        for client in self._clients:
+            if client.name is not None:
+                robots = here.setdefault(client.name, set())
+                robots.update([client.focus] if client.focus else ())
+        return here
+
+    def waiting(self) -> int:
+        """How much waits to be sent, to all pages together."""
+        return sum(len(client) for client in self._clients)
 
     def __len__(self) -> int:
         return len(self._clients)

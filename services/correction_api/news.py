@@ -2,6 +2,7 @@
 sent; it is put into words when it is sent, so that a page that falls behind skips to the newest."""
 
 import asyncio
+from collections.abc import Iterable
 
 from services.correction_api.live import Slot
 from services.correction_api.parts import Parts
@@ -57,9 +58,15 @@ class News:
         view = event("correction", lambda: show_correction(self._parts, entry))
         self._parts.live.offer(Slot("correction", entry.correction.id), view)
 
+    def learned(self, entries: Iterable[Entry]) -> None:
+        """The learner told of corrections. Event loop's thread only."""
+        for entry in entries:
+            self.spoken(entry)
+
     async def mind(self) -> None:
-        """Notice for ever who fell silent, since silence sends no message."""
+        """Notice for ever who fell silent, since silence sends no message; nor is this service."""
         while True:
+            self._parts.live.offer(Slot("beat"), event("beat", dict))
             for name in self._parts.watch.names():
                 presence, _ = self._parts.watch.presence(self._parts.watch.look(name).heard_ns)
                 if self._presences.get(name) != presence:

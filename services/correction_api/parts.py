@@ -4,14 +4,20 @@ from collections import OrderedDict
 from dataclasses import dataclass, field
 
 from services.correction_api.accept import Desk
+from services.correction_api.archive import Archive
 from services.correction_api.bell import Bell
 from services.correction_api.calls import Calls
 from services.correction_api.config import ApiSettings
+from services.correction_api.lexicon import Lexicon
 from services.correction_api.live import Live
 from services.correction_api.metrics import Metrics
+from services.correction_api.reports import Reports
+from services.correction_api.speech.ear import Ear
 from services.correction_api.store.episodes import Episodes
+from services.correction_api.store.lessons import Lessons
 from services.correction_api.store.log import Log
 from services.correction_api.store.parcels import Parcels
+from services.correction_api.store.rulings import Rulings
 from services.correction_api.watch import Watch
 from shared.wire.bus import Bus
 
@@ -47,7 +53,13 @@ class Parts:
     log: Log
     parcels: Parcels
     episodes: Episodes
+    lessons: Lessons
+    rulings: Rulings
+    archive: Archive
+    reports: Reports
     desk: Desk
+    lexicon: Lexicon
     live: Live
     bell: Bell
+    ear: Ear
     authors: Authors = field(default_factory=Authors)

@@ -96,11 +96,11 @@ def described(*statuses: int) -> dict[int | str, dict[str, Any]]:
     reasons = {
         400: "The body is no JSON",
         401: "A token is needed",
-        403: "The page that asks comes from another origin",
+        403: "The page comes from another origin, or the author is not whose token it is",
         404: "Not known; the nearest known is named",
         409: "Refused as things stand; what is current is named",
         413: "The body is too large",
-        415: "The body is not sent as application/json",
+        415: "The body is not of the type that this route takes",
         422: "A field is wrong; each is named, with what would be right",
         503: "Not now; Retry-After says when to try again",
     }

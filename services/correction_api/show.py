@@ -12,10 +12,13 @@ from services.correction_api.phrases import look_up
 from services.correction_api.store.log import Entry
 from services.correction_api.views import (
     CorrectionView,
+    CourseView,
     DecisionBrief,
     HelpQueue,
     HelpView,
     LearnerView,
+    PeopleView,
+    PersonView,
     PolicyView,
     Presence,
     RobotView,
@@ -23,7 +26,7 @@ from services.correction_api.views import (
 from services.correction_api.watch import Force, Sight
 from shared.messages.decision import Decision
 from shared.messages.goal import LanguageGoal
-from shared.messages.policy import Version
+from shared.messages.policy import is_version
 
 SHOWN = {
     *("robot", "actor", "state", "task", "prompt", "site", "number", "step"),
@@ -51,6 +54,7 @@ def show_robot(parts: Parts, name: str) -> RobotView:
         by=_chooser(force) if force else None,
         chosen_by=force.chosen_by if force else None,
         author=parts.authors.get(force.chosen_by) if force else None,
+        course=_course(sight),
         decision=_brief(sight),
     )
 
@@ -73,6 +77,12 @@ def show_correction(parts: Parts, entry: Entry) -> CorrectionView:
     return CorrectionView.of(entry, phrase)
 
 
+def show_people(parts: Parts) -> PeopleView:
+    """Who is here."""
+    here = sorted(parts.live.people().items())
+    return PeopleView(here=[PersonView(name=name, robots=sorted(said)) for name, said in here])
+
+
 def show_learner(parts: Parts) -> LearnerView:
     """The learner now."""
     heartbeat, presence, age_s = parts.watch.learner_now()
@@ -87,7 +97,10 @@ def show_learner(parts: Parts) -> LearnerView:
 
 
 def known_phrases(parts: Parts, robot: str) -> tuple[str, ...]:
-    """The commands of the newest policy, or else those that the robot's policy considered."""
+    """The commands of the low level; until a robot told them, those that the newest policy may
+    choose, or else those that the robot's policy considered."""
+    if commands := parts.lexicon.commands():
+        return commands
     if policy := parts.watch.announcement:
         return policy.bank
     try:
@@ -135,12 +148,16 @@ def _call(parts: Parts, call: Call) -> HelpView | None:
     )
 
 
+def _course(sight: Sight) -> tuple[CourseView, ...]:
+    return tuple(
+        CourseView(step=force.step, text=force.text, by=_chooser(force))
+        for force in sight.course
+        if force.episode == sight.episode
+    )
+
+
 def _chooser(force: Force) -> str:
-    try:
-        Version.parse(force.chosen_by)
-    except ValueError:
-        return "person"
-    return "policy"
+    return "policy" if is_version(force.chosen_by) else "person"
 
 
 def _brief(sight: Sight) -> DecisionBrief | None:

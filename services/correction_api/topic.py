@@ -11,6 +11,7 @@ from services.correction_api.problems import Problem, shorten
 from services.correction_api.store.episodes import Episodes
 from services.correction_api.utterance import Utterance
 from services.correction_api.watch import Sight, Watch
+from shared.messages.correction import Kind
 from shared.messages.decision import Decision
 
 
@@ -33,6 +34,8 @@ class Topics:
         Raises:
             Problem: no such decision, an episode that is over or that nobody heard of, or none.
         """
+        if said.kind is Kind.PAUSE and (latest := self._watch.latest_episode(robot)):
+            return latest, None  # It counts in any episode; the log wants one.
         decision = self._watch.decided(robot, said.decision) if said.decision else None
         address = _locate(said.decision, decision, sight) if said.decision else None
         _check_agreement(said, address)

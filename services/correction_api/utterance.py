@@ -70,6 +70,13 @@ EXAMPLES: list[JsonValue] = [
         "author": "anna",
     },
     {"kind": "fault", "decision": "ep-5f1c-3", "note": "it slipped", "author": "anna"},
+    {
+        "kind": "endorse",
+        "episode": "ep-5f1c",
+        "first_step": 0,
+        "end_step": 420,
+        "author": "anna",
+    },
 ]
 
 
@@ -80,17 +87,18 @@ class Utterance(BaseModel):
         `decision` was right), pass (seen, nothing to say), pause, resume. About the past, also of
         an episode that is over: retract, edit and retime the correction `target`; relabel (from
         `first_step` up to `end_step` `text` would have been right); fault (the command was right,
-        the hand slipped).
+        the hand slipped); endorse (over these steps all was right where nobody spoke).
     text: the command in words of your own; up to 200 characters in one line.
     target: the id of the correction that you take back, reword or move.
     first_step, end_step: the control steps from the first up to, without, the second.
     hold_steps: control steps (50 a second) until an override expires; null holds until released.
     decision: the decision that you looked at; approve and pass need it.
     episode: the episode that it is about; that of the decision or target, or else the current one.
-        A relabel needs it, and so does a fault without a decision.
+        A relabel and an endorsement need it, and so does a fault without a decision.
     seen_step: the control step that you saw; that of the decision if it is not given.
     begun_ns: when you began to speak, in ns since 1970; now if it is not given.
     delay_steps: in supervised lockstep, the steps until it takes effect.
+    heard: where it was spoken, the words as they were recognised.
     id: a name of your own, so that it can be sent again without being said twice; the header
         `Idempotency-Key` does the same.
     """
@@ -112,6 +120,7 @@ class Utterance(BaseModel):
     author: Id = "person"
     delay_steps: Annotated[int, Field(strict=True, ge=0, le=10_000)] = 0
     id: Id | None = None
+    heard: Words | None = None
     note: Words | None = None
 
     @model_validator(mode="after")
@@ -152,5 +161,6 @@ class Utterance(BaseModel):
             delay_steps=self.delay_steps,
             begun_ns=self.begun_ns if self.begun_ns is not None else now_ns,
             created_ns=now_ns,
+            heard=self.heard,
             note=self.note,
         )

@@ -5,8 +5,8 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from services.correction_api.store.log import Entry, Status
-from shared.messages.correction import Correction
+from services.correction_api.store.log import Entry, Later, Status
+from shared.messages.correction import Correction, Kind
 from shared.messages.decision import Proposal
 from shared.messages.episode import Episode
 from shared.messages.goal import Goal
@@ -43,11 +43,20 @@ class DecisionBrief(View):
     awaits_verdict: bool
 
 
+class CourseView(View):
+    """A command that came in force. step: about when, since it may be heard of a little later."""
+
+    step: int
+    text: str
+    by: Annotated[str, Field(pattern="^(policy|person)$", examples=["policy"])]
+
+
 class RobotView(View):
     """One robot now.
 
     presence: by the age of its last heartbeat, age_s. state: what it said it was doing.
     task, prompt, site, episode: null between two episodes.
+    course: the commands of this episode so far, oldest first; the last one is in force.
     command: the one in force; by: the policy or a person; chosen_by: the policy version, or the
         id of that person's correction; author: who it was, if that is still known.
     pending: records that its actor still keeps for the learner.
@@ -68,6 +77,7 @@ class RobotView(View):
     by: Annotated[str | None, Field(pattern="^(policy|person)$", examples=["policy"])]
     chosen_by: Annotated[str | None, Field(examples=["1.0"])]
     author: Annotated[str | None, Field(examples=[None])]
+    course: tuple[CourseView, ...] = ()
     decision: DecisionBrief | None
     version: Version
     supervised: bool
@@ -118,19 +128,43 @@ class Phrase(View):
     nearest: tuple[str, ...] = ()
 
 
+class ReplacedView(View):
+    """The correction that ended an earlier one: an override, a release or a retract.
+
+    author: who said it. step: the first control step at which the earlier one no longer held.
+    """
+
+    correction: Annotated[Id, Field(examples=["say-1b2c3d4e5f60710a"])]
+    author: Annotated[Id, Field(examples=["ben"])]
+    kind: Kind
+    step: Annotated[int, Field(examples=[93])]
+
+    @classmethod
+    def of(cls, later: Later) -> "ReplacedView":
+        """What is shown of the later one."""
+        said = later.correction
+        return cls(correction=said.id, author=said.author, kind=said.kind, step=later.step)
+
+
 class CorrectionView(View):
     """A correction, what became of it, and where it stands in the log.
 
     status: `expired` means that no robot answered in time, `kept` that none had to, since it is
         about the past. reason: why it is not in force.
+    replaced_by: it took force, and then the word of this one held instead.
+    learned_in: the first version that was trained with it; a rollback doesn't change that.
+    held_out: it is kept aside, to judge versions by.
     """
 
     correction: Correction
     status: Status
     receipt: Receipt | None = None
     reason: str = ""
+    replaced_by: ReplacedView | None = None
     sequence: int
     phrase: Phrase | None = None
+    learned_in: Annotated[Version | None, Field(examples=["1.1"])] = None
+    held_out: bool = False
 
     @classmethod
     def of(cls, entry: Entry, phrase: Phrase | None = None) -> "CorrectionView":
@@ -140,9 +174,25 @@ class CorrectionView(View):
             status=entry.status,
             receipt=entry.receipt,
             reason=entry.reason,
+            replaced_by=ReplacedView.of(entry.later) if entry.later else None,
             sequence=entry.sequence,
             phrase=phrase,
+            learned_in=entry.learned_in,
+            held_out=entry.held_out,
         )
+
+
+class PersonView(View):
+    """Somebody whose page is open, and the robots that they have in focus."""
+
+    name: Id
+    robots: list[Id]
+
+
+class PeopleView(View):
+    """Who is here, by name."""
+
+    here: list[PersonView]
 
 
 class Robots(View):
@@ -167,11 +217,26 @@ class TallyView(View):
     corrections: int
 
 
-class EpisodePage(View):
-    """Episodes, the newest first, and the success of each version over all that are known."""
+class EpisodeView(Episode):
+    """An episode that is over, and what was counted here of it.
 
-    episodes: list[Episode]
+    calls: how often its robot asked for help. taught: how many things were said of it that tell
+        what would be right, while it ran or afterwards.
+    """
+
+    calls: int = 0
+    taught: int = 0
+
+
+class EpisodePage(View):
+    """Episodes, the newest first, and the success of each version over all that are known.
+
+    tasks: of all that are known.
+    """
+
+    episodes: list[EpisodeView]
     tally: list[TallyView]
+    tasks: list[str] = []
     next: Annotated[str | None, Field(examples=[None])] = None
 
 
@@ -206,3 +271,26 @@ class LearnerView(View):
     reason: str | None = None
     progress: float | None = None
     policy: PolicyView | None = None
+
+
+class EngineView(View):
+    """An engine that recognises speech. install: the command that installs it."""
+
+    engine: Annotated[str, Field(examples=["pocketsphinx"])]
+    available: bool
+    install: Annotated[str, Field(examples=["pip install 'hl-dagger[speech]'"])]
+
+
+class SpeechView(View):
+    """What speech is recognised here.
+
+    reason: why none is, and what to do. media_type, max_s: what a recording must be.
+    commands: what is listened for; other commands can be typed.
+    """
+
+    available: bool
+    reason: Annotated[str, Field(examples=[""])]
+    engines: list[EngineView]
+    media_type: Annotated[str, Field(examples=["audio/l16; rate=16000"])]
+    max_s: float
+    commands: tuple[str, ...]

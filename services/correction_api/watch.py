@@ -4,7 +4,7 @@ Bus threads write, everybody else reads; one lock, held for moments only.
 """
 
 import threading
-from collections import OrderedDict
+from collections import OrderedDict, deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
@@ -19,15 +19,24 @@ from shared.messages.policy import PolicyAnnouncement
 from shared.messages.receipt import Receipt
 
 Changed = Callable[[str, str], None]
-REMEMBERED = 64  # decisions and episodes of a robot
+REMEMBERED = 64  # decisions, commands and episodes of a robot
 
 
 class Force(NamedTuple):
-    """A command in force, chosen by a version or a correction, as of the actor's time."""
+    """A command in force, chosen by a version or a correction, as of the actor's time.
+
+    episode, step: where it was first heard of.
+    """
 
     text: str
     chosen_by: str
     time_ns: int
+    episode: str | None = None
+    step: int = 0
+
+    def same(self, other: "Force") -> bool:
+        """It is the same choice, heard of again."""
+        return self[:2] == other[:2] and self.episode == other.episode
 
 
 @dataclass
@@ -36,6 +45,7 @@ class Robot:
 
     heard_ns: when its last heartbeat came, by the monotonic clock here.
     decisions: heads of the last ones by id, the newest last. over: episodes that have ended.
+    course: the commands of the episode so far, each from when it came in force.
     """
 
     heartbeat: RobotHeartbeat
@@ -43,6 +53,7 @@ class Robot:
     force: Force | None = None
     decisions: OrderedDict[str, Decision] = field(default_factory=OrderedDict)
     over: OrderedDict[str, None] = field(default_factory=OrderedDict)
+    course: deque[Force] = field(default_factory=lambda: deque(maxlen=REMEMBERED))
 
     @property
     def decision(self) -> Decision | None:
@@ -59,8 +70,13 @@ class Robot:
 
     def choose(self, force: Force) -> None:
         """A command came in force; what is older than what is known does not count."""
-        if self.force is None or force.time_ns >= self.force.time_ns:
-            self.force = force
+        if self.force and force.time_ns < self.force.time_ns:
+            return
+        if self.course and self.course[-1].episode != force.episode:
+            self.course.clear()
+        if not (self.course and self.course[-1].same(force)):
+            self.course.append(force)
+        self.force = force
 
 
 class Sight(NamedTuple):
@@ -71,6 +87,7 @@ class Sight(NamedTuple):
     decision: Decision | None
     episode: str | None
     heard_ns: int
+    course: tuple[Force, ...]
 
 
 class Watch:
@@ -110,7 +127,8 @@ class Watch:
             robot.heartbeat, robot.heard_ns = heartbeat, self._clock.monotonic_ns()
             if heartbeat.command:
                 text = heartbeat.command.text
-                robot.choose(Force(text, heartbeat.chosen_by, heartbeat.time_ns))
+                place = heartbeat.episode, heartbeat.step
+                robot.choose(Force(text, heartbeat.chosen_by, heartbeat.time_ns, *place))
         self._changed("robot", heartbeat.robot)
 
     def decision(self, decision: Decision) -> None:
@@ -124,7 +142,9 @@ class Watch:
             if decision.id in robot.decisions:
                 return
             _remember(robot.decisions, decision.id, head)
-            robot.choose(Force(decision.executed.text, decision.chosen_by, decision.time_ns))
+            place = decision.episode, decision.step
+            text, chosen_by = decision.executed.text, decision.chosen_by
+            robot.choose(Force(text, chosen_by, decision.time_ns, *place))
         self._changed("decision", decision.robot)
 
     def episode(self, episode: Episode) -> None:
@@ -148,7 +168,8 @@ class Watch:
             robot = self._robots.get(correction.robot)
             if robot is None or robot.heartbeat.episode != correction.episode:
                 return
-            robot.choose(Force(correction.goal.text, chosen_by, receipt.time_ns))
+            place = correction.episode, receipt.step or 0
+            robot.choose(Force(correction.goal.text, chosen_by, receipt.time_ns, *place))
         self._changed("robot", correction.robot)
 
     def learner(self, heartbeat: LearnerHeartbeat) -> None:
@@ -184,7 +205,12 @@ class Watch:
         with self._lock:
             robot = self._robots[name]
             sight = Sight(
-                robot.heartbeat, robot.force, robot.decision, robot.episode, robot.heard_ns
+                robot.heartbeat,
+                robot.force,
+                robot.decision,
+                robot.episode,
+                robot.heard_ns,
+                tuple(robot.course),
             )
         return sight
 
@@ -204,6 +230,12 @@ class Watch:
         """An episode of a known robot was seen to end not long ago."""
         with self._lock:
             return episode in self._robots[name].over
+
+    def latest_episode(self, name: str) -> str | None:
+        """The episode that a known robot works at, or else the one before; None: none is known."""
+        with self._lock:
+            robot = self._robots[name]
+            return robot.episode or next(reversed(robot.over), None)
 
     def newest(self, name: str) -> Decision | None:
         """The newest decision of a robot, without its arrays.

@@ -1,20 +1,23 @@
 """Put a learner together: the one file that names concrete classes."""
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 
 from services.learner.collect import Collector
 from services.learner.config import LearnerSettings
 from services.learner.frozen import FrozenLowLevel
 from services.learner.gate import Gate
+from services.learner.lessons import Lessons
 from services.learner.loop import Learner
 from services.learner.process import TrainProcess
 from services.learner.publish import Publisher
 from services.learner.shelf import Shelf
+from services.learner.store.archive import Archive
 from services.learner.store.sql import SqlStore, sqlite_url
 from services.learner.store.store import Marks, PolicyRecord
 from services.learner.store.tensors import TensorFiles
+from services.learner.tell import Teller
 from services.learner.trials import Trials
 from services.learner.turn import Parts
 from shared.clock import SystemClock
@@ -47,17 +50,25 @@ def learner(settings: LearnerSettings) -> Iterator[Learner]:
                 bus=bus,
                 store=store,
                 collector=Collector(bus, fleet, store, clock),
-                trainer=TrainProcess(url, data / "tensors", settings.demonstrations),
+                trainer=TrainProcess(
+                    url, data / "tensors", settings.demonstrations, settings.low_level
+                ),
                 gate=Gate(settings.gate, Trials(bus, fleet, store, settings.gate.trials, clock)),
                 publisher=Publisher(bus, fleet, settings.id, files, shelf),
                 frozen=frozen,
+                lessons=Lessons(bus, fleet, settings.id, store),
                 clock=clock,
             )
-            yield Learner(
+            made = Learner(
                 parts,
                 settings,
                 lambda: origin(settings.high_level, files, frozen.sha256, clock.now_ns()),
             )
+            with (
+                closing(Archive(url)) as archive,
+                closing(Teller(bus, fleet, settings.id, archive)),
+            ):
+                yield made
         finally:
             store.close()
 

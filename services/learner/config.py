@@ -1,5 +1,6 @@
 """Settings of the learner; defaults < TOML < HLD_LEARNER_… < --set."""
 
+import math
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -18,7 +19,9 @@ class TrainSettings(Settings):
     """How a round trains.
 
     start: from the version in force, or anew from the first one of the store.
-    steps, batch, lr, frozen_encoder: as in `shared.policies.fit.FitSettings`.
+    steps: updates at least. epochs: how often each label is drawn on average, if that takes more
+        updates. max_steps: but no more than these.
+    batch, lr, frozen_encoder: as in `shared.policies.fit.FitSettings`.
     correction_share: of each batch, from what people said in all rounds so far; the rest are
         demonstrations.
     threads: of torch. nice: how much the training yields to robots on the same machine.
@@ -26,12 +29,20 @@ class TrainSettings(Settings):
 
     start: Literal["in-force", "base"] = "in-force"
     steps: Annotated[int, Field(ge=1, le=1_000_000)] = 200
+    epochs: Annotated[float, Field(ge=0, le=1000)] = 5.0
+    max_steps: Annotated[int, Field(ge=1, le=1_000_000)] = 4000
     batch: Annotated[int, Field(ge=2, le=4096)] = 64
     lr: Annotated[float, Field(gt=0, le=1)] = 1e-3
     frozen_encoder: bool = False
     correction_share: Annotated[float, Field(gt=0, lt=1)] = 0.5
     threads: Annotated[int, Field(ge=1)] = 1
     nice: Annotated[int, Field(ge=0, le=19)] = 5
+
+    def updates(self, labels: int) -> int:
+        """How many a round with so many labels makes."""
+        drawn = self.batch * self.correction_share  # In one update.
+        wanted = math.ceil(self.epochs * labels / drawn)
+        return max(self.steps, min(wanted, self.max_steps))
 
 
 class Recipe(Settings):

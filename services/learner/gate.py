@@ -50,6 +50,8 @@ class Figures(BaseModel):
         propose first; None where nothing was held out.
     retained: demonstrated decisions that were kept aside; retained_before, retained_after: the
         share of them that both propose rightly.
+    unread: phrases that people said of the past and that the low level understands no command in;
+        they are in no bank, and nothing was learned from them.
     loss: mean over the last steps. finite: no weight is infinite or not a number. seconds: it took.
     """
 
@@ -66,6 +68,7 @@ class Figures(BaseModel):
     retained: int = 0
     retained_before: float | None = None
     retained_after: float | None = None
+    unread: tuple[str, ...] = ()
 
 
 class Candidate(BaseModel):
@@ -73,6 +76,8 @@ class Candidate(BaseModel):
 
     tensors: their bytes lie in the store's `TensorFiles`. bank, settings: as in
     `PolicyAnnouncement`.
+    learned, held_out: ids of the corrections whose labels it was trained with, and of those whose
+    labels were kept aside; empty in records from before this was told.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -81,6 +86,8 @@ class Candidate(BaseModel):
     bank: tuple[str, ...]
     settings: dict[str, int | float | str | bool]
     figures: Figures
+    learned: tuple[str, ...] = ()
+    held_out: tuple[str, ...] = ()
 
 
 class Verdict(NamedTuple):

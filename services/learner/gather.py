@@ -4,7 +4,7 @@ Between `aggregate` and training: pictures and words as the high level was shown
 store; the bank, grown by every phrase that a label holds.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 
 import numpy as np
@@ -42,6 +42,19 @@ def grow(bank: PhraseBank, labels: Sequence[Label]) -> tuple[PhraseBank, dict[st
             bank = bank.add(label.text)
             spelling[label.text] = label.text
     return bank, spelling
+
+
+def unread(
+    labels: Sequence[Label], known: Iterable[str], meaning: Callable[[str], str | None]
+) -> tuple[str, ...]:
+    """The phrases of labels that the low level takes for no command: nobody could obey them.
+
+    known: phrases that need not be read, since demonstrations hold them. meaning: the command that
+        the low level takes a phrase for; None where it understands none.
+    """
+    old = {canonical(phrase) for phrase in known}
+    new = {label.text for label in labels if label.text not in old}
+    return tuple(sorted(text for text in new if meaning(text) is None))
 
 
 def gather(labels: Sequence[Label], spelling: dict[str, str], store: Store) -> Examples:

@@ -72,6 +72,7 @@ class Learner:
         parts.publisher.publish(self._in_force, self._epoch, next(made_by, None))
         parts.collector.start()
         parts.gate.start()
+        parts.lessons.start()
         parts.bus.alive(self._alive_key)
         try:
             parts.frozen.check_against(self._in_force.low_level_sha256)
@@ -96,6 +97,7 @@ class Learner:
         """Leave a round that is at work to the next learner of this store."""
         self._parts.trainer.stop()
         self._parts.gate.close()
+        self._parts.lessons.close()
         self._parts.collector.close()
         self._parts.publisher.close()
 
@@ -104,8 +106,8 @@ class Learner:
     def _consider(self) -> None:
         """Begin a round if one is due."""
         parts, settings = self._parts, self._settings.round
-        marks, arrivals = parts.store.survey(self._used)
-        stock = take_stock(arrivals, parts.clock.now_ns(), settings.patience_s)
+        marks, arrivals, hindsight = parts.store.survey(self._used)
+        stock = take_stock(arrivals, parts.clock.now_ns(), settings.patience_s, hindsight)
         waited_s = (parts.clock.monotonic_ns() - self._ended_ns) / 1e9
         if not due(stock, waited_s, len(self._rounds), settings):
             return

@@ -22,6 +22,7 @@ class Job(BaseModel):
 
     store: URL of the store, which it only reads. tensors: the folder of the store's tensors.
     demonstrations: checkpoint folder; None takes the one that comes with the project.
+    low_level: checkpoint folder of the low level that reads phrases; None: the project's own.
     under_way: file of what is trained so far; where it is there, the training goes on from it.
     """
 
@@ -30,6 +31,7 @@ class Job(BaseModel):
     store: str
     tensors: Path
     demonstrations: Path | None
+    low_level: Path | None = None
     under_way: Path
     round: int
 
@@ -47,8 +49,15 @@ class Report(BaseModel):
 class TrainProcess:
     """A `Trainer` that starts `services.learner.train` for each round."""
 
-    def __init__(self, store: str, tensors: Path, demonstrations: Path | None) -> None:
+    def __init__(
+        self,
+        store: str,
+        tensors: Path,
+        demonstrations: Path | None,
+        low_level: Path | None = None,
+    ) -> None:
         self._store, self._tensors, self._demonstrations = store, tensors, demonstrations
+        self._low_level = low_level
         self._running: _Running | None = None
 
     def start(self, round_: Round) -> None:
@@ -57,6 +66,7 @@ class TrainProcess:
             store=self._store,
             tensors=self._tensors,
             demonstrations=self._demonstrations,
+            low_level=self._low_level,
             under_way=self._under_way(round_),
             round=round_.number,
         )

@@ -182,16 +182,10 @@ def _reader(folder: Path | None) -> Meaning:
 
     Its reader and not the likeness of sentences: to that, the ham and the cheese are neighbours.
     """
-    import numpy as np  # Here, and torch with it, so that only the list waits for them.
-
-    from shared.messages.goal import LanguageGoal
+    from services.learner.train import reader  # Here, and torch with it: only the list waits.
     from shared.policies.checkpoint import bundled
-    from shared.policies.low_level import LowLevel
-    from shared.policies.wishes import SLOTS
 
-    low_level = LowLevel.load(folder or bundled("low_level"))
-    everything = np.ones((SLOTS, 9), np.float32)
-    return lambda phrase: low_level.meaning(LanguageGoal(text=phrase), everything)
+    return reader(folder or bundled("low_level"))
 
 
 def _told(found: Review) -> dict[str, Any]:

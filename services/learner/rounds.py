@@ -13,8 +13,9 @@ from shared.config import Settings
 class RoundSettings(Settings):
     """What sets a round off; whatever comes first does, and 0 switches a trigger off.
 
-    corrections: new overrides in finished episodes. episodes: newly finished ones.
-    after_s: seconds since the last round, if there is at least one new override.
+    corrections: new overrides in finished episodes, and commands newly said of the past. episodes:
+        newly finished ones.
+    after_s: seconds since the last round, if there is at least one new correction.
     max_rounds: then only collect; 0 goes on for ever.
     patience_s: how long an episode may wait for decisions and corrections that it speaks of.
     """
@@ -30,12 +31,13 @@ class Stock(NamedTuple):
     """The episodes that no round has used.
 
     ready: all is here that they speak of. short: not all of it, and no longer waited for.
-    waiting: not all of it yet.
+    waiting: not all of it yet. hindsight: commands newly said of the past.
     """
 
     ready: tuple[Arrival, ...]
     short: tuple[Arrival, ...]
     waiting: tuple[Arrival, ...]
+    hindsight: int = 0
 
     @property
     def episodes(self) -> int:
@@ -44,11 +46,13 @@ class Stock(NamedTuple):
 
     @property
     def corrections(self) -> int:
-        """The overrides in them."""
-        return sum(arrival.overrides for arrival in (*self.ready, *self.short))
+        """The overrides in them, and what was said of the past."""
+        return self.hindsight + sum(arrival.overrides for arrival in (*self.ready, *self.short))
 
 
-def take_stock(arrivals: Iterable[Arrival], now_ns: int, patience_s: float) -> Stock:
+def take_stock(
+    arrivals: Iterable[Arrival], now_ns: int, patience_s: float, hindsight: int = 0
+) -> Stock:
     """Sort episodes by whether a round may use them."""
     ready, short, waiting = [], [], []
     for arrival in arrivals:
@@ -58,7 +62,7 @@ def take_stock(arrivals: Iterable[Arrival], now_ns: int, patience_s: float) -> S
             short.append(arrival)
         else:
             waiting.append(arrival)
-    return Stock(tuple(ready), tuple(short), tuple(waiting))
+    return Stock(tuple(ready), tuple(short), tuple(waiting), hindsight)
 
 
 def due(stock: Stock, waited_s: float, begun: int, settings: RoundSettings) -> bool:

@@ -10,6 +10,7 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 from contextlib import closing
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,7 @@ import torch
 
 from services.learner.config import Recipe, TrainSettings
 from services.learner.gate import Candidate, Figures, keep_aside, split
-from services.learner.gather import agreement, gather, grow, known, open_version
+from services.learner.gather import agreement, gather, grow, known, open_version, unread
 from services.learner.labels.aggregate import Label, derive, sha256_labels
 from services.learner.labels.balance import balance
 from services.learner.labels.spell import spelling
@@ -26,16 +27,19 @@ from services.learner.store.sql import SqlStore
 from services.learner.store.store import PolicyRecord, Round, Store
 from services.learner.store.tensors import TensorFiles
 from shared.errors import HldError, PolicyError
+from shared.messages.goal import LanguageGoal
 from shared.policies import examples
 from shared.policies.checkpoint import bundled
 from shared.policies.examples import Examples
 from shared.policies.fit import fit
 from shared.policies.fitter import FitSettings
 from shared.policies.high_level import HighLevel
+from shared.policies.low_level import LowLevel
 from shared.telemetry import set_up
 
 Progress = Callable[[float], None]
 Treatment = Callable[[Sequence[Label]], Sequence[Label]]
+Meaning = Callable[[str], str | None]
 
 
 def fine_tune(
@@ -46,10 +50,12 @@ def fine_tune(
     progress: Progress,
     under_way: Path | None = None,
     treat: Treatment | None = None,
+    meaning: Meaning = lambda phrase: phrase,
 ) -> Candidate:
     """Make the candidate of a round; the same manifest and seed give the same one.
 
     under_way: file of what is being trained; a training that was cut off goes on from there.
+    meaning: the command that the low level takes a phrase for, which is loaded when one is new.
     treat: what an experiment does to the labels that are learned from; nobody else does.
 
     Raises:
@@ -61,14 +67,16 @@ def fine_tune(
     history = store.history(round_.manifest)
     spell = spelling(history.rulings)
     labels = derive(history, recipe.labels, in_force.low_level_sha256)
-    kept, held_out = split(labels, recipe.gate.held_out_share)
+    unknown = unread(labels, _record(store, 0).bank, meaning)
+    obeyed = [label for label in labels if label.text not in unknown]
+    kept, held_out = split(obeyed, recipe.gate.held_out_share)
     replayed, aside = keep_aside(len(demonstrations), recipe.gate.retained)
     retained = demonstrations.take(aside)
     policy = open_version(in_force, files)
     before, knew = agreement(policy, held_out, store, spell), known(policy, retained)
     if recipe.train.start == "base":
         policy = open_version(_record(store, 0), files)
-    bank, spelt = grow(policy.bank, labels)
+    bank, spelt = grow(policy.bank, obeyed)
     learned = [*treat(kept)] if treat else kept
     said = gather(balance(learned, recipe.balance), spelt, store) if learned else None
 
@@ -77,7 +85,7 @@ def fine_tune(
         progress(step / steps)
         return True
 
-    settings = fit_settings(recipe.train, round_.seed)
+    settings = fit_settings(recipe.train, round_.seed, len(learned))
     replay = demonstrations.take(replayed)
     report = fit(policy.net, bank, replay, said, settings, told, kept=under_way)
     policy = HighLevel(policy.net, bank, policy.version)
@@ -93,13 +101,20 @@ def fine_tune(
         retained=len(retained),
         retained_before=knew,
         retained_after=known(policy, retained),
+        unread=unknown,
     )
     return Candidate(
         tensors=tuple(files.add(name, array) for name, array in policy.tensors().items()),
         bank=bank.phrases,
         settings=policy.settings(),
         figures=figures,
+        learned=_corrections(learned),
+        held_out=_corrections(held_out),
     )
+
+
+def _corrections(labels: Sequence[Label]) -> tuple[str, ...]:
+    return tuple(sorted({label.correction for label in labels}))
 
 
 def _record(store: Store, number: int) -> PolicyRecord:
@@ -109,10 +124,10 @@ def _record(store: Store, number: int) -> PolicyRecord:
     return record
 
 
-def fit_settings(settings: TrainSettings, seed: int) -> FitSettings:
-    """What a fit is told of a round's settings."""
+def fit_settings(settings: TrainSettings, seed: int, labels: int) -> FitSettings:
+    """What a fit is told of the settings of a round with so many labels."""
     return FitSettings(
-        steps=settings.steps,
+        steps=settings.updates(labels),
         batch=settings.batch,
         lr=settings.lr,
         frozen_encoder=settings.frozen_encoder,
@@ -135,6 +150,26 @@ def main() -> None:
     tell(_work(job, lambda share: tell(Report(progress=share))))
 
 
+def reader(folder: Path, any_of_several: bool = False) -> Meaning:
+    """What a low level takes phrases for in any scene; it is loaded at the first one.
+
+    any_of_several: "the red one" has another meaning in each scene, and so none in any; then it is
+        told as one of them, since it could be obeyed.
+    """
+
+    @cache
+    def low_level() -> LowLevel:
+        return LowLevel.load(folder)
+
+    def meaning(phrase: str) -> str | None:
+        _, everything = low_level().anywhere()
+        goal = LanguageGoal(text=phrase)
+        alike = low_level().options(goal, everything) if any_of_several else ()
+        return low_level().meaning(goal, everything) or next(iter(alike), None)
+
+    return meaning
+
+
 def _end_with_learner() -> None:
     os.read(0, 1)  # Returns when the learner is gone; nobody waits for the result then.
     os._exit(1)
@@ -149,7 +184,10 @@ def _work(job: Job, progress: Progress) -> Report:
         try:
             demonstrations = examples.load(job.demonstrations or bundled("demonstrations"))
             files = TensorFiles(job.tensors)
-            candidate = fine_tune(round_, store, files, demonstrations, progress, job.under_way)
+            reads = reader(job.low_level or bundled("low_level"), any_of_several=True)
+            candidate = fine_tune(
+                round_, store, files, demonstrations, progress, job.under_way, meaning=reads
+            )
         except HldError as error:
             return Report(reason=str(error))
     return Report(progress=1.0, candidate=candidate)

@@ -14,6 +14,7 @@ from services.learner import canary
 from services.learner.collect import Collector
 from services.learner.frozen import FrozenLowLevel
 from services.learner.gate import Candidate, Gate, Verdict
+from services.learner.lessons import Lessons
 from services.learner.publish import Publisher
 from services.learner.store.store import Manifest, PolicyRecord, Round, RoundState, Store
 from shared.clock import Clock
@@ -63,6 +64,7 @@ class Parts:
     gate: Gate
     publisher: Publisher
     frozen: FrozenLowLevel
+    lessons: Lessons
     clock: Clock
 
 

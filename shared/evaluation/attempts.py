@@ -43,6 +43,7 @@ class Attempt(_Kept):
 class Row(_Kept):
     """One episode of an evaluation.
 
+    progress: how much of what the task asks for was in place at the end, in [0, 1].
     asked: decisions by why π_HL was asked. wrong: decisions that put in force, or kept there, what
     was not right at that moment.
     failure: what went wrong first, in an episode that failed; failed_step: when.
@@ -53,6 +54,7 @@ class Row(_Kept):
     task: str
     prompt: str
     success: bool
+    progress: float
     steps: int
     decisions: int
     asked: dict[str, int] = {}

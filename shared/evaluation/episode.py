@@ -103,6 +103,7 @@ class Evaluator:
             task=case.task,
             prompt=scene.prompt,
             success=rollout.done,
+            progress=round(self._station.progress, 4),
             steps=rollout.step,
             decisions=rollout.decisions,
             asked={str(why): count for why, count in rollout.asked.items()},

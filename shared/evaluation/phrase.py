@@ -17,6 +17,7 @@ from shared.policies.low_level import LowLevel
 from shared.workcell import skills
 from shared.workcell.env import WorkcellEnv, objects, proprioception
 from shared.workcell.objects import COUNT
+from shared.workcell.site import load_site
 from shared.workcell.skills import ATTEMPT_STEPS, PUTS, SKILLS, WAIT
 from shared.workcell.state import CellState, on_table
 
@@ -50,7 +51,8 @@ class Phrases(Settings):
 
     def note(self) -> str:
         """What its rows hang on; see `Plan.note`."""
-        return json.dumps({"site": self.site, "low_level": load_card(self.folder()).tensors_sha256})
+        site = load_site(self.site).model_dump(mode="json")
+        return json.dumps({"site": site, "low_level": load_card(self.folder()).tensors_sha256})
 
 
 class Trial(Settings):
@@ -72,6 +74,7 @@ class Said(BaseModel):
 
     phrase: as it was said. obvious: what would have been right to say.
     achieved: the last command that was achieved; None if none was. done: all, in order.
+    already: what was expected was so before anything was said.
     steps: until what was expected was achieved, else all that there were.
     """
 
@@ -84,6 +87,7 @@ class Said(BaseModel):
     obvious: str
     expected: str
     achieved: str | None
+    already: bool
     done: tuple[str, ...]
     steps: int
 
@@ -111,6 +115,7 @@ class Speaker:
         reading = self.read(phrase)
         meant = self._low_level.meaning(Goal(text=phrase), objects(env.state))
         expected = trial.expected or meant or reading.nearest[0].command
+        already = expected != WAIT and skills.achieved(skills.parse(expected), env.state, env.state)
         done, steps = ((), 0) if reading.refused else self._act(phrase, expected, trial.steps)
         return Said(
             trial=trial,
@@ -120,6 +125,7 @@ class Speaker:
             obvious=obvious,
             expected=expected,
             achieved=done[-1] if done else None,
+            already=already,
             done=done,
             steps=steps,
         )

@@ -70,8 +70,9 @@ class Plan(Settings):
 
     def note(self) -> str:
         """What its rows hang on, and with which other plans they can therefore be shared: all but
-        how many seeds there are, and the policies by what they are and not by where they lie."""
+        how many seeds there are; policies and site by what they are, not by name or place."""
         told = self.model_dump(mode="json", exclude={"seeds", "high_level", "low_level"})
+        told["site"] = load_site(self.site).model_dump(mode="json")
         told["low_level"] = load_card(self.low_level_folder()).tensors_sha256
         told["high_level"] = (
             ORACLE
@@ -95,7 +96,8 @@ class Plan(Settings):
         """The part of `check` that asks whether the checkpoints hold what is needed."""
         LowLevel.load(self.low_level_folder())
         if self.high_level != ORACLE:
-            HighLevel.load(self.high_level_folder())
+            high_level = HighLevel.load(self.high_level_folder())
+            high_level.check_memory(self.rollout.looks, self.rollout.history)
 
 
 def parse_seeds(text: str) -> tuple[int, int]:

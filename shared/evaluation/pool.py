@@ -79,6 +79,7 @@ _loaded: dict[str, Worker[Any, Any]] = {}  # At most one a process, by its plan.
 
 def begin_worker() -> None:
     """Begins a spawned process: it doesn't hear Ctrl-C, and ends when its parent does."""
+    os.environ.setdefault("LP_NUM_THREADS", "1")  # To draw: the processes share the cores.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     threading.Thread(target=_end_with_parent, daemon=True).start()

@@ -32,7 +32,8 @@ def report(plan: Plan, rows: Iterable[Row], high_level: str, command: str) -> di
 def summarize(rows: Iterable[Row]) -> dict[str, Any]:
     """Success by task and by skill, what went wrong first, and what it took.
 
-    steps, decisions, wrong_decisions: means over the episodes, a decision being a query of π_HL.
+    progress, steps, decisions, wrong_decisions: means over the episodes, a decision being a query
+    of π_HL; see `Row`.
     failures: of the episodes that failed, how many by what went wrong first. diverged: steps of
     physics that were taken back.
     """
@@ -72,6 +73,7 @@ def _figures(rows: Sequence[Row]) -> dict[str, Any]:
     failures = Counter(row.failure for row in rows if not row.success)
     return {
         **rate([row.success for row in rows]),
+        "progress": round(sum(row.progress for row in rows) / max(1, len(rows)), 4),
         "steps": _mean([row.steps for row in rows]),
         "decisions": _mean([row.decisions for row in rows]),
         "wrong_decisions": _mean([row.wrong for row in rows]),

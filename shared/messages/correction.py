@@ -18,12 +18,14 @@ class Kind(StrEnum):
     release: the goal that holds is lifted; the high level decides again.
     approve: the command that was in force at the decision was right.
     pass: seen, nothing to say: a robot that waits for a verdict goes on. Never a label.
-    pause, resume: stand still; carry on. Never a label.
+    pause, resume: stand still; carry on. Never a label. A pause is never too late, nor too early:
+        it counts in whatever episode comes.
     retract: the target should not have been said.
     edit: the target should have been said in these words.
     retime: the target should have been in force over these steps.
     relabel: over these steps this goal would have been right.
     fault: the command was right, the hand slipped: nothing that the high level could learn.
+    endorse: over these steps the high level was right wherever nobody said anything else.
     """
 
     OVERRIDE = "override"
@@ -37,6 +39,7 @@ class Kind(StrEnum):
     RETIME = "retime"
     RELABEL = "relabel"
     FAULT = "fault"
+    ENDORSE = "endorse"
 
     @property
     def answers(self) -> bool:
@@ -46,13 +49,19 @@ class Kind(StrEnum):
 
 AMENDMENTS = frozenset({Kind.RETRACT, Kind.EDIT, Kind.RETIME})
 """Said about another correction, the target."""
-AFTERWARDS = AMENDMENTS | {Kind.RELABEL, Kind.FAULT}
+AFTERWARDS = AMENDMENTS | {Kind.RELABEL, Kind.FAULT, Kind.ENDORSE}
 """Said about what has happened, so that an episode that is over is none too late for them."""
+
+HINDSIGHT = frozenset({Kind.EDIT, Kind.RELABEL, Kind.RETIME})
+"""Said about the past, and something new to learn, in episodes that may have been learned from."""
+
+LEARNABLE = frozenset(Kind) - {Kind.PASS, Kind.PAUSE, Kind.RESUME, Kind.RETRACT, Kind.FAULT}
+"""May become a label of the high level, or change one."""
 
 TARGETS: dict[Kind, frozenset[Kind]] = {
     Kind.RETRACT: frozenset(Kind) - {Kind.RETRACT, Kind.PASS, Kind.PAUSE, Kind.RESUME},
     Kind.EDIT: frozenset({Kind.OVERRIDE, Kind.RELABEL}),
-    Kind.RETIME: frozenset({Kind.OVERRIDE, Kind.RELABEL, Kind.FAULT}),
+    Kind.RETIME: frozenset({Kind.OVERRIDE, Kind.RELABEL, Kind.FAULT, Kind.ENDORSE}),
 }
 """What each amendment may be about. Of several edits or retimes of one correction the last counts,
 unless it was retracted in its turn; what was taken back is to be said again."""
@@ -63,6 +72,7 @@ NEEDS: dict[Kind, frozenset[str]] = {
     Kind.EDIT: frozenset({"goal", "target"}),
     Kind.RETIME: frozenset({"target", "first_step", "end_step"}),
     Kind.RELABEL: frozenset({"goal", "first_step", "end_step"}),
+    Kind.ENDORSE: frozenset({"first_step", "end_step"}),
 }
 """The fields without which a kind says nothing."""
 _LIVE = frozenset({"decision"})
@@ -110,21 +120,35 @@ def check_span(kind: Kind, first: int | None, end: int | None, decision: str | N
         raise ValueError("a fault needs decision, or first_step and end_step: where it happened")
 
 
+MAX_SPEAKING_S = 120.0
+"""Who takes longer to say something did something else meanwhile."""
+
+
+def speaking_s(begun_ns: int, created_ns: int) -> float:
+    """Human seconds of one correction: from when a person began to speak to when it was said.
+
+    At most `MAX_SPEAKING_S`; 0 where the clocks of the two disagree. This is the one definition.
+    """
+    return min(max(0.0, (created_ns - begun_ns) / 1e9), MAX_SPEAKING_S)
+
+
 class Correction(Message):
     """One utterance of a person about one robot.
 
     Three times are kept, since they differ: what the person saw (`seen_step`), when they began
     to speak (`begun_ns`), and when it took effect (`Receipt.step`).
 
-    episode: the episode that it is about; the actor refuses it when that episode is over.
+    episode: the episode that it is about; the actor refuses it when that episode is over, but for
+        a pause and for what is said afterwards.
     decision: the decision that the person was looking at, where there is one.
     goal: what to do instead, or what should have been done: of override, edit and relabel.
     target: the id of the correction that a retract, an edit or a retime is about.
-    first_step, end_step: the control steps [first, end) that a retime, a relabel or a fault is
-        about; a fault without them is about its decision.
+    first_step, end_step: the control steps [first, end) that a retime, a relabel, a fault or an
+        endorsement is about; a fault without them is about its decision.
     hold_steps: control steps after which an override expires; None holds until released.
     delay_steps: in supervised lockstep, the steps between seeing and taking effect; 0 otherwise.
     begun_ns: when the person began to speak or type; created_ns: when the API accepted it.
+    heard: where it was spoken, the words as a recogniser heard them; None: typed or chosen.
     """
 
     id: Id
@@ -142,6 +166,7 @@ class Correction(Message):
     delay_steps: Annotated[int, Field(ge=0, le=10_000)] = 0
     begun_ns: TimeNs
     created_ns: TimeNs
+    heard: Text | None = None
     note: Text | None = None
 
     @model_validator(mode="after")

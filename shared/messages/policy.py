@@ -69,6 +69,15 @@ class Version:
         )
 
 
+def is_version(chosen_by: str) -> bool:
+    """Whether a goal was chosen by a version, and not by what somebody said."""
+    try:
+        Version.parse(chosen_by)
+    except ValueError:
+        return False
+    return True
+
+
 class TensorRef(Message):
     """Where a tensor's bytes are found: they travel in chunks under the name of their hash."""
 

@@ -7,30 +7,31 @@ what is not wished becomes courtesy where something else is said, and a reason t
 
 import itertools
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from shared.goals.language.encoder import WORD
+from shared.policies.asking import TELLS, is_idle, only_holds
+from shared.policies.patterns import ALONE, BESIDE, MANY, OFF, SIDES
 from shared.policies.phrase import (
     ACT,
-    ARTICLES,
     CONTRAST,
-    DETERMINERS,
     FILLER,
     PLACE,
-    POINTING,
     THING,
     words_of,
 )
-from shared.policies.verbs import MOVE, PICK, PUT, WAIT, verb_of
+from shared.policies.verbs import MOVE, PICK, PUT, WAIT
+from shared.policies.wording import Words
 
 FORBIDS = "forbids something, and a prohibition can't be obeyed: say what to do instead"
 ASKS = "is a question: say what is to be done"
 EXCLUDES = "says what is not meant: name the thing or the place that is"
 SIDE = "names a side of a place, and only things are told apart by their sides: leave the side out"
+NEARBY = "is about a spot beside a place, and things are put on or in it: say 'on the plate'"
 REMOVES = "takes something off a place: say 'pick up', and its name"
 SEVERAL = "asks for several things: one thing at a time, by its name"
-AGAINST = frozenset((FORBIDS, EXCLUDES))
+AGAINST = frozenset((FORBIDS, EXCLUDES, TELLS))
 """What is read of these is what is not wished."""
 
 _BREAK = re.compile(r"[,.;:!?]")
@@ -48,6 +49,9 @@ _UNABLE = frozenset(("can't", "cant", "cannot", "couldn't"))
 """Of oneself they are a reason and no order: "I can't reach the ham, get it"."""
 _THIS_ONLY = frozenset(words_of("there here that this like right too yet now so only sure"))
 """Right after "not" they are all that it denies."""
+_NOBODY = frozenset(("nobody", "noone"))
+_TOLD = frozenset(("said", "says", "say", "asked", "told", "mentioned"))
+"""Nobody did: then what follows is not wished."""
 _JOINING = frozenset(("and", "or", "nor", "to", "you"))
 """Before a second verb they leave it under the negation of the first."""
 _ANY = re.compile(r"(?:any|some|every)(?:thing|where|one|place|body)|all")
@@ -63,21 +67,9 @@ _THEN = frozenset(("and", "then"))
 _ANEW = frozenset(("no", "rather", "instead", "sorry", "actually", "mean", "meant", "oh", "not"))
 """Between two acts they take back the first."""
 _KINDLY = frozenset(("mind", "able", "possible", "chance", "think", "could", "would", "please"))
+_SIDE = frozenset(("to", "the", "left", "right"))
+"""They belong to the place that they stand before: "to the left" of the plate."""
 _GOING = frozenset(("goes", "belongs", "should", "needs"))
-_SIDES = re.compile(
-    r"\b(?:(?:the|your|my|its|far|to|on) (?:far )?(?:left|right)|left of|(?:left|right)-hand)\b"
-    r"(?![- ](?:hands? |hands?$|arm|gripper|place|spot|way|thing))"
-)
-_OFF = re.compile(
-    r"\b(?:from|off|out of) (?:(?:the|my|that|this|your) )?"
-    r"(?:\w+ )?(?:plate|dish|sandwich|stack|bin|tub|box|trash|garbage|rubbish)\b"
-    r"(?!.* (?:to|in|into|on|onto) )"
-)
-_SEVERAL = re.compile(
-    r"\b(?:(?:all|both)(?: of)? (?:the|these|those|my|your|them)(?! (?:way|time|same))|"
-    r"(?:put|pack|place) everything|"
-    r"(?:every|each)(?: of)? (?!time|way|now|it)\w+)\b"
-)
 
 
 class Clauses(NamedTuple):
@@ -85,44 +77,15 @@ class Clauses(NamedTuple):
 
     parts: of each word, courtesy where a clause doesn't count. why: why nothing of it can be
     obeyed, "" if something can. first: what it says to do before what it is read as.
+    idle: why it asks for nothing but to wait, "" if it may ask for something. holds: it asks to go
+    on holding what is held.
     """
 
     parts: list[int]
     why: str = ""
     first: str = ""
-
-
-class _Words(NamedTuple):
-    """The words of a phrase and their parts; begins: rows of words that follow a stop."""
-
-    said: str
-    words: list[str]
-    parts: list[int]
-    begins: frozenset[int]
-
-    def verb(self, row: int) -> str:
-        """The kind of verb that a word is, "" for none; a noun is none."""
-        noun = row > 0 and self.words[row - 1] in DETERMINERS
-        if self.parts[row] != ACT or noun:
-            return ""
-        return verb_of(self.words, row)
-
-    def acts(self, rows: Iterable[int]) -> list[int]:
-        """Those rows that are verbs."""
-        return [row for row in rows if self.verb(row)]
-
-    def tells(self, rows: Iterable[int]) -> bool:
-        """Whether there is something to obey in it."""
-        return any(
-            self.verb(row)
-            or self.parts[row] == PLACE
-            or (self.parts[row] == THING and self.words[row] not in POINTING | ARTICLES)
-            for row in rows
-        )
-
-    def text(self, rows: Iterable[int], *parts: int) -> str:
-        """The words of these parts."""
-        return " ".join(self.words[row] for row in rows if self.parts[row] in parts)
+    idle: str = ""
+    holds: bool = False
 
 
 def judged(said: str, parts: Sequence[int]) -> Clauses:
@@ -130,7 +93,15 @@ def judged(said: str, parts: Sequence[int]) -> Clauses:
     found = list(WORD.finditer(said))
     gaps = [said[one.end() : two.start()] for one, two in itertools.pairwise(found)]
     begins = frozenset(row for row, gap in enumerate(gaps, 1) if _BREAK.search(gap))
-    phrase = _Words(said, [one.group() for one in found], list(parts), begins)
+    phrase = Words(said, [one.group() for one in found], list(parts), begins)
+    if only_holds(phrase):
+        return Clauses(phrase.parts, holds=True)
+    idle = TELLS if is_idle(phrase, _split(phrase)) else ""
+    return _weighed(phrase)._replace(idle=idle)
+
+
+def _weighed(phrase: Words) -> Clauses:
+    """What of it is left to obey."""
     clauses = [clause for one in _split(phrase) for clause in _judge(phrase, one)]
     against = [(rows, why) for rows, why in clauses if why]
     kept = [row for rows, why in clauses if not why for row in rows]
@@ -145,7 +116,7 @@ def judged(said: str, parts: Sequence[int]) -> Clauses:
     return Clauses(phrase.parts, why) if why else _in_turn(phrase, kept)
 
 
-def _only_denies(phrase: _Words) -> bool:
+def _only_denies(phrase: Words) -> bool:
     """Whether it says "not that" and nothing else."""
     if phrase.tells(range(len(phrase.words))):
         return False
@@ -154,7 +125,7 @@ def _only_denies(phrase: _Words) -> bool:
     return bool(denying) and (CONTRAST in phrase.parts if acts else ACT not in phrase.parts)
 
 
-def _split(phrase: _Words) -> list[range]:
+def _split(phrase: Words) -> list[range]:
     """Rows of clauses, at stops and at "but"; "anything but" is one."""
     starts = [0]
     for row, word in enumerate(phrase.words):
@@ -164,12 +135,14 @@ def _split(phrase: _Words) -> list[range]:
     return [range(*ends) for ends in zip(starts, [*starts[1:], len(phrase.words)], strict=True)]
 
 
-def _judge(phrase: _Words, rows: range) -> list[tuple[range, str]]:
+def _judge(phrase: Words, rows: range) -> list[tuple[range, str]]:
     """A clause, or its two halves, each with why it can't be obeyed."""
     if _excludes(phrase, rows):
         return [(rows, EXCLUDES)]
     if _asks(phrase, rows):
         return [(rows, ASKS)]
+    if ALONE.search(" ".join(phrase.words[row] for row in rows)):
+        return [(rows, FORBIDS)]
     begin = next((row for row in rows if _denies(phrase, row, rows)), rows.stop)
     if not _forbids(phrase, range(begin + 1, rows.stop)):
         return [(rows, "")]
@@ -183,10 +156,12 @@ def _judge(phrase: _Words, rows: range) -> list[tuple[range, str]]:
     return [*halves, (range(end, rows.stop), "")]
 
 
-def _denies(phrase: _Words, row: int, rows: range) -> bool:
+def _denies(phrase: Words, row: int, rows: range) -> bool:
     """Whether a word takes back what follows it."""
     words, word = phrase.words, phrase.words[row]
     after = words[row + 1 : min(row + 3, rows.stop)]
+    if word in _NOBODY or words[max(row - 1, 0) : row + 1] == ["no", "one"]:
+        return bool(after) and after[0] in _TOLD
     ordered = word in _ORDERS and words[max(row - 1, 0)] not in _SUBJECTS
     if not after or phrase.parts[row] not in ((ACT, FILLER) if ordered else (ACT,)):
         return False
@@ -207,19 +182,24 @@ def _is_not(word: str) -> bool:
     return word in _NEVER or word.endswith("n't")
 
 
-def _forbids(phrase: _Words, rows: range) -> bool:
+def _forbids(phrase: Words, rows: range) -> bool:
     """Whether what follows a negation is something that could be done. To hold or touch is not:
     a negation makes an act of it. To take something is if it has a name: "don't take it" is said
     of what is held."""
     placed = any(phrase.parts[row] == PLACE for row in rows)
+    named = any(phrase.parts[row] == THING for row in rows)
     acts = phrase.acts(rows)
     kind = phrase.verb(acts[0]) if acts else MOVE
+    if not acts and phrase.parts[rows.start : rows.start + 1] == [ACT]:  # A verb nobody listed.
+        return (
+            placed or named or phrase.words[rows.start + 1 : rows.start + 2] in (["it"], ["that"])
+        )
     if kind == PICK:
-        return placed or any(phrase.parts[row] == THING for row in rows)
+        return placed or named
     return kind in (PUT, WAIT) or (kind == MOVE and placed)
 
 
-def _excludes(phrase: _Words, rows: range) -> bool:
+def _excludes(phrase: Words, rows: range) -> bool:
     """Whether it says what is not meant: anything but the ham, something meat-free."""
     told = [phrase.words[row] for row in rows if phrase.parts[row] != FILLER]
     if any(map(_MEATLESS.fullmatch, told)):
@@ -229,7 +209,7 @@ def _excludes(phrase: _Words, rows: range) -> bool:
     return any(word in _BUT or _is_not(word) for word in after)
 
 
-def _asks(phrase: _Words, rows: range) -> bool:
+def _asks(phrase: Words, rows: range) -> bool:
     """Whether it is a question that asks for no act."""
     told = [phrase.words[row] for row in rows if phrase.parts[row] != FILLER]
     if len(told) < 2 or _KINDLY.intersection(phrase.words[row] for row in rows):
@@ -247,20 +227,41 @@ def _asks(phrase: _Words, rows: range) -> bool:
     return (second in about or "'" in first) and (done or not said)
 
 
-def _too_much(phrase: _Words, kept: Sequence[int]) -> str:
+def _too_much(phrase: Words, kept: Sequence[int]) -> str:
     """Why what is wished can't be told apart: sides of places, what is taken off them, several."""
     named = any(phrase.parts[row] == THING for row in kept)
+    if why := _beside(phrase, kept, named):
+        return why
     puts = any(phrase.verb(row) == PUT for row in kept) and not named
     places = phrase.text(kept, PLACE)
-    if _SIDES.search(places) or (puts and _SIDES.search(" ".join(phrase.words))):
+    if SIDES.search(places) or (puts and SIDES.search(" ".join(phrase.words))):
         return SIDE
     told = phrase.text(kept, ACT, THING, PLACE)
-    if not named and _OFF.search(told):
+    if not named and OFF.search(told):
         return REMOVES
-    return SEVERAL if _SEVERAL.search(told) else ""
+    return SEVERAL if MANY.search(told) else ""
 
 
-def _in_turn(phrase: _Words, kept: Sequence[int]) -> Clauses:
+def _beside(phrase: Words, kept: Sequence[int], named: bool) -> str:
+    """Why a spot beside a place can't be taken; of a thing that is picked up by its name it only
+    tells where that lies, and becomes courtesy."""
+    acts = phrase.acts(kept)
+    for part, run in itertools.groupby(kept, key=lambda row: phrase.parts[row]):
+        if part != PLACE:
+            continue
+        rows = list(run)
+        while rows[0] and phrase.words[rows[0] - 1] in _SIDE:
+            rows.insert(0, rows[0] - 1)
+        if not BESIDE.match(" ".join(phrase.words[row] for row in rows)):
+            continue
+        if not named or not acts or phrase.verb(acts[0]) != PICK:
+            return NEARBY
+        for row in rows:
+            phrase.parts[row] = FILLER
+    return ""
+
+
+def _in_turn(phrase: Words, kept: Sequence[int]) -> Clauses:
     """Two acts, one after the other, are too much, unless what is put is what was taken before."""
     acts = [row for row in phrase.acts(kept) if phrase.verb(row) in (PICK, PUT, WAIT)]
     acts = [row for row in acts if phrase.words[row] not in _BESIDES]

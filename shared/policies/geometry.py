@@ -10,11 +10,13 @@ from typing import NamedTuple
 
 import torch
 from torch import Tensor, nn
+from torch.nn import functional as F
 
-from shared.policies.tokens import OBJECTS, Scene, arms, gripped_by
+from shared.policies.tokens import OBJECTS, Scene, arms, distances, gripped_by
 
-PLATE, BIN, TUB = 15, 16, 17
+PLATE, BIN, TUB, NO_TUB, ALWAYS = range(OBJECTS, OBJECTS + 5)
 QUARTERS = 4
+CORNERS = torch.tensor([[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]])
 THING, ON_PLATE, IN_BIN, IN_TUB, SPOT, HOME = range(6)
 """Kinds of tokens."""
 
@@ -69,68 +71,62 @@ class Geometry(nn.Module):
         counts = (OBJECTS, 1, QUARTERS, QUARTERS, len(self.spots) + len(self.tub_spots), 1)
         return torch.repeat_interleave(torch.arange(6), torch.tensor(counts))
 
+    @property
+    def whose(self) -> Tensor:
+        """[K] int64: what must be there for each token, a row of what `_valid` asks."""
+        rows = torch.tensor([*range(OBJECTS + 1), BIN, TUB, NO_TUB, TUB, ALWAYS])
+        spots = (QUARTERS, QUARTERS, len(self.spots), len(self.tub_spots), 1)
+        return torch.repeat_interleave(rows, torch.tensor([*[1] * (OBJECTS + 1), *spots]))
+
     def forward(self, proprioception: Tensor, objects: Tensor, arm: Tensor) -> View:
         """proprioception [R, 22], objects [R, 18, 9], arm [R] int64: 0 left, 1 right."""
         sign = 1.0 - 2.0 * arm.to(torch.float32)
-        own, other = arms(proprioception, arm)
-        tool = self.local(own[:, 7:10], sign)
-        away = self.local(other[:, 7:10], sign)
+        rows = torch.arange(len(arm)).unsqueeze(1)
+        both = arms(proprioception)[rows, torch.stack([arm, 1 - arm], 1)]
+        own, other = both.unbind(1)
         there = present(objects)
-        points = self.local(objects[:, :OBJECTS, :3], sign[:, None])
+        # All at once: so few numbers cost little, and each call the same.
+        world = [both[..., 7:10], objects[:, :OBJECTS, :3], self.places(objects, arm, sign)]
+        seen = self.local(torch.cat(world, 1), sign)
+        hands, points, places = seen.tensor_split((2, 2 + OBJECTS), 1)
         points = torch.where(there[:, :OBJECTS, None], points, AWAY_M)
-        gripped = gripped_by(points, tool, own[:, 6])
-        taken = torch.maximum(gripped, gripped_by(points, away, other[:, 6]))
-        near = torch.softmax(-((points - tool[:, None]).norm(dim=-1) / 0.015).clamp(max=60), 1)
-        scene = Scene(self, arm, sign, own, tool, away, points, objects, there, gripped, taken)
-        tokens = torch.cat([scene.objects(), scene.spots()], 1)
-        return View(tokens, self._valid(there), scene.body(arm, other), near, own[:, :6])
+        far = distances(points, hands)
+        grips = gripped_by(far, both[..., 6])
+        near = torch.softmax(-(far[:, 0] / 0.015).clamp(max=60), 1)
+        scene = Scene(self, sign, own, hands, points, places, objects, there, grips)
+        return View(scene.tokens(), self._valid(there), scene.body(other), near, own[:, :6])
 
     def held(self, proprioception: Tensor, objects: Tensor) -> Tensor:
         """Which objects are in a hand, [B, O] bool, of robots [B, 22] and [B, 18, 9]."""
         points = objects[:, :OBJECTS, :3]
         points = torch.where(present(objects)[:, :OBJECTS, None], points, AWAY_M)
-        grips = []
-        for arm in range(2):
-            own = arms(proprioception, torch.full((len(objects),), arm))[0]
-            grips.append(gripped_by(points, own[:, 7:10], own[:, 6]))
-        return torch.stack(grips).amax(0) > 0
+        both = arms(proprioception)
+        return gripped_by(distances(points, both[..., 7:10]), both[..., 6]).amax(1) > 0
 
     def _valid(self, there: Tensor) -> Tensor:
         """Which tokens stand for something that is there, [R, K]."""
-        plate, bin_, tub = (there[:, row : row + 1] for row in (PLATE, BIN, TUB))
-        parts = (
-            there[:, :OBJECTS],
-            plate,
-            bin_.expand(-1, QUARTERS),
-            tub.expand(-1, QUARTERS),
-            (~tub).expand(-1, len(self.spots)),
-            tub.expand(-1, len(self.tub_spots)),
-            torch.ones_like(plate),
-        )
-        return torch.cat(parts, 1)
+        tub = there[:, TUB:]
+        return torch.cat([there, ~tub, torch.ones_like(tub)], 1)[:, self.whose]
 
     def local(self, points: Tensor, sign: Tensor) -> Tensor:
-        """World points [..., 3] as seen from the arm's base: half a turn for the right arm."""
-        x, y, z = points.unbind(-1)
-        return torch.stack([sign * x + self.base_x, sign * y, z], -1)
+        """World points [R, N, 3] as seen from the arm's base: half a turn for the right arm."""
+        turn = torch.stack([sign, sign, torch.ones_like(sign)], 1)
+        return points * turn.unsqueeze(1) + F.pad(self.base_x.reshape(1), (0, 2))
 
     def places(self, objects: Tensor, arm: Tensor, sign: Tensor) -> Tensor:
-        """Where things are put, and home: [R, K - O, 3] x, y, height of the floor; world frame."""
-        count = len(objects)
-        side = -sign  # +1 for the right arm, whose own side is x > 0.
-        plate = torch.cat([objects[:, PLATE, :2], self.plate_top.expand(count, 1)], 1)
-        containers = [self._quarters(objects[:, row, :2], side) for row in (BIN, TUB)]
-        spots = torch.cat([self.spots, self.tub_spots])
-        x = side[:, None] * spots[:, 0]
-        free = torch.stack([x, spots[:, 1].expand_as(x), torch.zeros_like(x)], -1)
-        return torch.cat([plate[:, None], *containers, free, self.home[arm][:, None]], 1)
+        """Where things are put, and home: [R, K - O, 3] x, y, height of the floor; world frame.
 
-    def _quarters(self, middle: Tensor, side: Tensor) -> Tensor:
-        """The quarters of bin or tub, [R, 4, 3]: the arm's own side first, the far row first."""
-        x = torch.stack([side, side, -side, -side], 1) * self.slot
-        y = torch.tensor([1.0, -1.0, 1.0, -1.0]) * self.slot
-        flat = torch.stack([middle[:, :1] + x, middle[:, 1:] + y.expand_as(x)], -1)
-        return torch.cat([flat, self.floor.expand(*x.shape, 1)], -1)
+        Of quarters and spots the arm's own side comes first, and the far row of quarters.
+        """
+        # +1 for the right arm, whose own side is x > 0.
+        side = torch.stack([-sign, torch.ones_like(sign)], 1).unsqueeze(1)
+        spots = torch.cat([self.spots, self.tub_spots])
+        corners = objects[:, BIN:, None, :2] + (CORNERS * self.slot * side).unsqueeze(1)
+        plate = objects[:, PLATE, None, :2]
+        flat = torch.cat([plate, corners.flatten(1, 2), spots * side], 1)
+        floors = (self.plate_top.reshape(1), self.floor.expand(2 * QUARTERS))
+        heights = F.pad(torch.cat(floors), (0, len(spots))).expand(len(objects), -1)
+        return torch.cat([torch.cat([flat, heights.unsqueeze(-1)], -1), self.home[arm][:, None]], 1)
 
 
 def present(objects: Tensor) -> Tensor:

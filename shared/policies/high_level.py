@@ -2,13 +2,14 @@
 
 import threading
 from collections import OrderedDict
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
+from torch import Tensor
 
 from shared.errors import PolicyError
 from shared.goals.language.bank import PhraseBank
@@ -26,6 +27,7 @@ from shared.policies.wishes import Words
 
 BASE_VERSION = Version(1, 0)
 REMEMBERED = 256
+T = TypeVar("T")
 
 Head = Literal["bank", "text"]
 """Which head answers: every phrase of the bank is scored, or phrases are made word by word."""
@@ -35,7 +37,8 @@ class HighLevel:
     """A version of the high level: a network, the phrases that belong to it, and its number.
 
     head: which of the network's two heads answers `propose`.
-    Safe to be asked from several threads, as long as nobody trains `net` meanwhile.
+    Safe to be asked from several threads. Once asked it remembers what prompts want: where `net` is
+    trained on, it needs another HighLevel.
     """
 
     def __init__(
@@ -51,6 +54,7 @@ class HighLevel:
         self._phrases = torch.tensor(bank.vectors)
         self._goals = tuple(LanguageGoal(text=phrase) for phrase in bank.phrases)
         self._read: OrderedDict[str, Words] = OrderedDict()
+        self._wished: OrderedDict[str, Tensor] = OrderedDict()
         self._lock = threading.Lock()
 
     @classmethod
@@ -86,6 +90,22 @@ class HighLevel:
         net = build_net(announcement.settings, tensors)
         return cls(net, PhraseBank.of(announcement.bank), announcement.version, head=head)
 
+    def check_memory(self, looks: int, history: int) -> None:
+        """Whether it makes use of so many observations and previous commands.
+
+        Raises:
+            PolicyError: it would be shown more than its network has room for.
+        """
+        for name, asked, most in (
+            ("looks", looks, self.net.looks),
+            ("history", history, self.net.history),
+        ):
+            if asked > most:
+                raise PolicyError(
+                    f"this high level was trained with {name} of {most} at most: "
+                    f"set {name} to {most} or less, not {asked}"
+                )
+
     def propose(
         self, observation: Observation, past: Sequence[NDArray[np.uint8]] = ()
     ) -> tuple[Proposal, ...]:
@@ -99,7 +119,8 @@ class HighLevel:
             PolicyError: the observation has another number of views or senses.
         """
         with torch.inference_mode():
-            answer = self.net(self.question(observation, past))
+            question, wishes = self.question(observation, past), self._wishes(observation.prompt)
+            answer = self.net.decide(self.net.see(question.images), wishes, question)
             if self.head == "text":
                 return self._made(answer)
             return self.scored(answer)
@@ -143,12 +164,20 @@ class HighLevel:
 
     def _words(self, prompt: str) -> Words:
         """A prompt's words; an episode asks with the same ones again and again."""
+        return self._remembered(self._read, prompt, lambda: read_words(self._encoder, [prompt]))
+
+    def _wishes(self, prompt: str) -> Tensor:
+        """What a prompt wants of each slot."""
+        words = self._words(prompt)
+        return self._remembered(self._wished, prompt, lambda: self.net.wish(words))
+
+    def _remembered(self, known: OrderedDict[str, T], prompt: str, make: Callable[[], T]) -> T:
         with self._lock:
-            if prompt not in self._read:
-                self._read[prompt] = read_words(self._encoder, [prompt])
-            while len(self._read) > REMEMBERED:
-                self._read.popitem(last=False)
-            return self._read[prompt]
+            if prompt not in known:
+                known[prompt] = make()
+            while len(known) > REMEMBERED:
+                known.popitem(last=False)
+            return known[prompt]
 
     def tensors(self) -> Tensors:
         """Copies of all tensors by name."""

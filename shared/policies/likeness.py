@@ -36,6 +36,14 @@ class Likeness:
         self._centred = _unit(vectors - self._mean)
         self._classes = [np.flatnonzero(owners == row) for row in range(int(owners.max()) + 1)]
         self._letters = Letters(texts)
+        self._owners = {text: int(owner) for text, owner in zip(self.texts, owners, strict=True)}
+        for text, owner in zip(self.texts, owners, strict=True):
+            if self._owners.get(text, owner) != owner:  # Some things are called alike.
+                self._owners.pop(text, None)
+
+    def owner(self, text: str) -> int | None:
+        """The class of a text that is known as it stands, None where it is not or has several."""
+        return self._owners.get(text)
 
     def logits(self, text: str, vector: Floats) -> Floats:
         """[C + 1] of a text and its vector [D]."""

@@ -19,8 +19,11 @@ from shared.policies.checkpoint import Tensors, sha256_tensors
 from shared.policies.clauses import in_turn
 from shared.policies.geometry import MEASURES, Geometry, View
 from shared.policies.low_net import CHUNK, CLOSED_M, OPEN_M, LowNet, Motion, Orders, targets
-from shared.policies.reader import LEAST_ACT, LEAST_NAME, PUTS, Reader, Reading, Sentences
+from shared.policies.lying import APART_M, cover_of, furthest
+from shared.policies.meant import LEAST_ACT, PUTS, THINGS, Reading
+from shared.policies.reader import LEAST_NAME, Reader, Sentences
 from shared.policies.tokens import OPEN_GAP_M
+from shared.policies.wishes import SLOTS
 
 LEAST_HELD = 0.05
 """What is in the hand is meant by a name that could be many things, "the slice", from here on."""
@@ -69,7 +72,9 @@ class LowLevel:
 
     def act_all(self, proprioception: Floats, objects: Floats, goals: tuple[Goal, ...]) -> Floats:
         """`act` for B robots at once: [B, 22], [B, 18, 9] and B goals to [B, 10, 14]."""
-        rows = [self._understood(goal, objects[at]) for at, goal in enumerate(goals)]
+        rows = [
+            self._understood(goal, objects[at], proprioception[at]) for at, goal in enumerate(goals)
+        ]
         with torch.inference_mode():
             both = self._motion(proprioception, objects, self._orders(rows))[0]
         chunk: Floats = both.numpy()
@@ -80,7 +85,7 @@ class LowLevel:
 
     def completion(self, proprioception: Floats, objects: Floats, goal: Goal) -> float:
         """See `LowLevel.completion` of the rollout; 0 for a goal that it objects to."""
-        row = self._understood(goal, objects)
+        row = self._understood(goal, objects, proprioception)
         if row is None:
             return 0.0
         with torch.inference_mode():
@@ -93,15 +98,15 @@ class LowLevel:
 
     def objection(self, proprioception: Floats, objects: Floats, goal: Goal) -> str:
         """Why it can't do what a person says, with what is in the hands; "" if it can."""
-        there, held = _present(objects), self._held(proprioception, objects)
-        reading, why = self.reader.read(goal.text, there), ""
+        held = self._held(proprioception, objects)
+        reading, why = self._read(goal.text, objects, apart_m=APART_M), ""
         if reading.why:
             why = f"{goal.text!r} {reading.why}; nearest it knows"
         elif reading.command is None:
             why = f"the low level doesn't understand {goal.text!r}; nearest it knows"
         elif reading.first and _unheld(reading, held):
             why = f"{goal.text!r} {in_turn(reading.first)}; nearest"
-        elif missing := self._missing(reading, there, held):
+        elif missing := self._missing(reading, objects, held):
             command = self.reader.commands[reading.command]
             why = f"{command!r} can't be done here, since {missing}; nearest"
         if not why:
@@ -116,29 +121,70 @@ class LowLevel:
         empty = not self._held(proprioception, objects).any()
         return self.reader.nearest(goal.text, _present(objects), empty)
 
+    def anywhere(self) -> tuple[Floats, Floats]:
+        """What it would sense, [22] and [18, 9], where all is there that a scene can have."""
+        return np.zeros(22, np.float32), np.ones((SLOTS, 9), np.float32)
+
+    def commands(self, objects: Floats) -> list[str]:
+        """What it knows and could do with what is in the scene, whatever is in the hands."""
+        can = self.reader.possible(_present(objects))
+        return [text for text, possible in zip(self.reader.commands, can, strict=True) if possible]
+
     def _held(self, proprioception: Floats, objects: Floats) -> NDArray[np.bool_]:
         """[15] What is in the hands."""
         seen = torch.from_numpy(proprioception)[None], torch.from_numpy(objects)[None]
         held: NDArray[np.bool_] = self._net.geometry.held(*seen)[0].numpy()
         return held
 
-    def _missing(self, reading: Reading, there: NDArray[np.bool_], held: NDArray[np.bool_]) -> str:
+    def _missing(self, reading: Reading, objects: Floats, held: NDArray[np.bool_]) -> str:
         """Why a command that was understood can't be done now; "" if it can."""
-        assert reading.command is not None
-        if not self._possible(reading.command, there):
+        row = reading.command
+        assert row is not None
+        if not self._possible(row, _present(objects)):
             return "that isn't in the scene"
-        return _unheld(reading, held) if reading.command in PUTS else ""
+        if row in PUTS:
+            return _unheld(reading, held)
+        if reading.fit.side and held[[*reading.fit.rows]].any():
+            return "it fits what is in the hand too: say its name"
+        return self._buried(row, objects, held) if row < THINGS and not held[row] else ""
+
+    def _buried(self, row: int, objects: Floats, held: NDArray[np.bool_]) -> str:
+        """What lies on a thing; "" if it is free."""
+        heights = self._net.geometry.sizes[:, 2].numpy()
+        cover = cover_of(row, objects, held, heights)
+        if cover is None:
+            return ""
+        first = self.reader.commands[cover]
+        return f"the {first.rsplit(maxsplit=1)[1]} lies on it: {first!r} first"
 
     def meaning(self, goal: Goal, objects: Floats) -> str | None:
         """The command that it takes a goal for in this scene; None if it understands none."""
-        row = self.reader.read(goal.text, _present(objects)).command
+        row = self._read(goal.text, objects).command
         return None if row is None else self.reader.commands[row]
 
-    def _understood(self, goal: Goal, objects: Floats) -> int | None:
-        """The command that a goal means, None where there is an objection."""
-        there = _present(objects)
-        row = self.reader.read(goal.text, there).command
-        return row if row is not None and self._possible(row, there) else None
+    def options(self, goal: Goal, objects: Floats) -> tuple[str, ...]:
+        """The commands that a goal fits alike in this scene; none where it means one or nothing."""
+        fit = self.reader.read(goal.text, _present(objects)).fit
+        return tuple(self.reader.commands[row] for row in fit.rows)
+
+    def _read(self, text: str, objects: Floats, apart_m: float = 0.0) -> Reading:
+        """A phrase in a scene, where sides tell things apart that it fits alike."""
+        reading = self.reader.read(text, _present(objects))
+        rows, side = reading.fit
+        row = furthest(rows, side, objects, apart_m) if side else None
+        return reading if row is None else reading._replace(command=row, why="")
+
+    def _understood(
+        self, goal: Goal, objects: Floats, proprioception: Floats | None = None
+    ) -> int | None:
+        """The command that a goal means, None where there is an objection. Of things told apart by
+        a side the one in the hand is meant: it lay there before."""
+        reading = self._read(goal.text, objects)
+        row = reading.command
+        if reading.fit.side and proprioception is not None:
+            held = self._held(proprioception, objects)
+            row = next((at for at in reading.fit.rows if held[at]), row)
+        return row if row is not None and self._possible(row, _present(objects)) else None
 
     def _possible(self, row: int, there: NDArray[np.bool_]) -> bool:
         return bool(self.reader.possible(there)[row])

@@ -6,13 +6,23 @@ from itertools import groupby
 from typing import NamedTuple
 
 from shared.goals.language.encoder import WORD
+from shared.policies.spoken import unaccented
 
 FILLER, ACT, THING, PLACE, CONTRAST = PARTS = range(5)
 """Courtesy, protest and where a thing lies; what to do; what with; where to; a thing not meant."""
 
 _STANDS_FOR = {THING: "the object", PLACE: "to that place"}
 _JOINING = frozenset(("and", "or", "plus"))
-POINTING = frozenset(("it", "that", "this", "the", "them", "one"))
+POINTING = frozenset(
+    ("it", "that", "this", "the", "them", "one", "thing", "object", "item", "sample", "specimen")
+)
+_HANDS = frozenset(("hand", "hands", "gripper", "claw", "fingers", "grip", "pincers", "fist"))
+_FIXTURES = frozenset(("plate", "dish", "table", "bin", "tub", "sandwich", "stack"))
+_EMPTY = frozenset(
+    ("them", "empty", "used", "dirty", "old", "poor", "lovely", "nice", "silly", "daft", "trusty",
+     "left", "right", "leftmost", "rightmost", "left-hand", "right-hand", "far")
+)  # fmt: skip
+"""Before the name of a thing they tell nothing of what it is."""
 _RELATING = frozenset(("on", "in", "into", "onto", "next", "under", "behind", "beside", "near"))
 """Right before a place they belong to it."""
 _ASKING = frozenset(("can", "could", "would", "will"))
@@ -22,7 +32,7 @@ DETERMINERS = frozenset(
 )
 
 
-_NOT = re.compile(r".*\b(?:not|no|without|except|but|\w+n't)\b")
+_NOT = re.compile(r"(.*)\b(?:not|no|without|except|but|\w+n't)\b")
 
 
 class Parts(NamedTuple):
@@ -31,6 +41,8 @@ class Parts(NamedTuple):
     frame: what to do, with "the object" for each thing and "to that place" for each place.
     things: without their determiners. places: as they were said.
     why: why it can't be obeyed, "" if it can. first: what it says to do before.
+    idle: why it may only ask to wait, "" if it may ask for more. holds: it asks to go on holding.
+    side: "left" or "right", where its thing lies.
     """
 
     frame: str
@@ -38,6 +50,9 @@ class Parts(NamedTuple):
     places: tuple[str, ...]
     why: str = ""
     first: str = ""
+    idle: str = ""
+    holds: bool = False
+    side: str = ""
 
     def texts(self) -> tuple[str, ...]:
         """All that must be embedded: the frame, things and places, what things are said not to
@@ -45,8 +60,9 @@ class Parts(NamedTuple):
         return self.frame, *self.things, *self.places, *self.others()
 
     def others(self) -> tuple[str, ...]:
-        """What its things are said not to be: "ham" of "one that isn't ham"."""
-        return tuple(filter(None, map(unlike, self.things)))
+        """What its things are said not to be, and to be: "ham" and "one that" of "one that isn't
+        ham"."""
+        return tuple(filter(None, (*map(unlike, self.things), *map(likened, self.things))))
 
 
 def unlike(thing: str) -> str:
@@ -55,9 +71,15 @@ def unlike(thing: str) -> str:
     return " ".join(_bare(words_of(thing[found.end() :]))) if found else ""
 
 
+def likened(thing: str) -> str:
+    """What is said of a thing before what it is not: "cup" of "cup without a handle"; or ""."""
+    found = _NOT.match(thing)
+    return " ".join(_bare(words_of(found.group(1)))) if found else ""
+
+
 def plain(text: str) -> str:
-    """In lower case, single spaces, straight apostrophes."""
-    return " ".join(text.lower().replace("’", "'").split())
+    """In lower case, single spaces, straight apostrophes, no accents."""
+    return " ".join(unaccented(text).lower().replace("’", "'").split())
 
 
 def words_of(text: str) -> list[str]:
@@ -98,7 +120,21 @@ def related(words: Sequence[str], parts: Sequence[int]) -> list[int]:
             told[at] = PLACE
         if words[at] in ARTICLES and told[at + 1] in (THING, CONTRAST):
             told[at] = told[at + 1]
+    _found_there(words, told)
+    for at, word in enumerate(words):  # What is in the robot's own hand is no place.
+        begin = at - 2 if at > 1 and words[at - 1] in ("your", "the") else at - 1
+        if told[at] == PLACE and word in _HANDS and words[max(begin, 0)] in ("in", "into"):
+            told[begin : at + 1] = [ACT] * (at + 1 - begin)
     return told
+
+
+def _found_there(words: Sequence[str], told: list[int]) -> None:
+    """Where a thing that was named lies is no act: "the ham off the plate"."""
+    for at in range(1, len(words) - 1):
+        end = at + 1 + (words[at + 1] in ARTICLES)
+        near = words[at] in ("off", "from") and told[at - 1] == THING and told[at] == ACT
+        if near and end < len(words) and words[end] in _FIXTURES:
+            told[at : end + 1] = [FILLER] * (end + 1 - at)
 
 
 def _listed(nouns: list[str]) -> list[list[str]]:
@@ -108,6 +144,6 @@ def _listed(nouns: list[str]) -> list[list[str]]:
 
 
 def _bare(noun: list[str]) -> list[str]:
-    while len(noun) > 1 and noun[0] in DETERMINERS:
+    while len(noun) > 1 and noun[0] in DETERMINERS | _EMPTY:
         noun = noun[1:]
     return noun

@@ -7,7 +7,8 @@ import torch
 
 
 def autocast(enabled: bool | None = None) -> AbstractContextManager[object]:
-    """Mixed precision for the forward pass; by default only with AMX, where it is 3 times faster.
+    """Mixed precision for the forward pass; by default only where it is faster: 3 times with AMX,
+    1.5 times with AVX-512 that multiplies bfloat16 (an update of the high level: .21, .14 s).
 
     Weights, gradients and everything outside training stay float32.
     """
@@ -23,5 +24,5 @@ def pixel_type(enabled: bool | None = None) -> torch.dtype:
 
 
 def fast_bfloat16() -> bool:
-    """Whether this processor has matrix units for bfloat16."""
-    return bool(torch.cpu._is_amx_tile_supported())
+    """Whether this processor multiplies bfloat16 in hardware."""
+    return torch.cpu._is_amx_tile_supported() or torch.cpu._is_avx512_bf16_supported()

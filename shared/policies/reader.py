@@ -10,7 +10,7 @@ import re
 import threading
 from collections import OrderedDict
 from collections.abc import Iterable, Sequence
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,24 +21,34 @@ from shared.policies import tagger, teller
 from shared.policies.checkpoint import Tensors
 from shared.policies.clauses import AGAINST, EXCLUDES, judged
 from shared.policies.examples import as_bytes, as_texts
-from shared.policies.phrase import Parts, plain, related, take_apart, unlike, words_of
+from shared.policies.looks import NOTHING, alike, among, as_things, side_of
+from shared.policies.meant import (
+    LEAST_ACT,
+    PLACES,
+    PUTS,
+    THINGS,
+    WAIT_ROW,
+    Reading,
+    Taken,
+    excluded,
+)
+from shared.policies.phrase import (
+    Parts,
+    plain,
+    related,
+    take_apart,
+    words_of,
+)
+from shared.policies.remarks import set_apart
 from shared.policies.spelling import corrected
+from shared.policies.spoken import written
 from shared.policies.tagger import Tagger
 from shared.policies.teller import Teller, softmax
 
 NEAREST = 3
 REMEMBERED = 4096
-ACTS = ("pick", "put", "plate", "bin", "tub", "down", "wait", "refuse")
-"""What a phrase may ask for; to put something somewhere is told further by the place."""
-PLACES = ("plate", "bin", "tub", "down")
-THINGS = 15
-PUTS = THINGS + np.arange(len(PLACES))  # Rows of the commands that put, in the order of PLACES.
-WAIT_ROW = THINGS + len(PLACES)
-ABSENT = 2.0
-"""By so much less likely, in logits, a thing is meant that isn't in the scene."""
-LEAST_ACT = 0.5
 LEAST_NAME = 0.3
-"""What is to be done, or the thing or place that is named, is refused where it is less probable."""
+"""A thing or place that is named is refused where it is less probable."""
 
 
 class Sentences(Protocol):
@@ -55,32 +65,6 @@ class Sentences(Protocol):
     def states(self, sentence: str) -> Floats:
         """What each of its words means where it stands, [W, S] float32."""
         ...
-
-
-class Reading(NamedTuple):
-    """What a phrase was taken for.
-
-    command: row of the command, None where it was refused. scores: [C] float32 in [0, 1], of each
-    command its probability. things: of each thing that it names how probable each of the [15] is.
-    why: what is wrong with a phrase, if it is more than that it wasn't understood.
-    first: what it says to do before.
-    """
-
-    command: int | None
-    scores: Floats
-    things: tuple[Floats, ...] = ()
-    why: str = ""
-    first: str = ""
-
-
-class _Taken(NamedTuple):
-    """A phrase as understood without its scene: logits of acts [8], of each thing [15 + 1] and
-    each place [4 + 1] that it names. parts: of what."""
-
-    acts: Floats
-    things: tuple[Floats, ...]
-    places: tuple[Floats, ...]
-    parts: Parts
 
 
 class Reader:
@@ -114,7 +98,7 @@ class Reader:
             for word in words_of(text)
         }
         self._lock = threading.Lock()
-        self._seen: OrderedDict[str, _Taken] = OrderedDict()
+        self._seen: OrderedDict[str, Taken] = OrderedDict()
 
     def read(self, text: str, there: NDArray[np.bool_]) -> Reading:
         """The command that a phrase means, which may be about what is missing in the scene.
@@ -126,16 +110,54 @@ class Reader:
             said = self.spelt(said)
         row = self._rows.get(said)
         if row is not None:
-            return Reading(row, np.eye(len(self.commands), dtype=np.float32)[row])
-        taken = self._taken(said)
-        acts, names, things = self._told(taken, there)
+            return self._plainly(row)
+        reading = self._judged(self._taken(said), there)
+        if reading.command is None and not reading.why:
+            return self._besides(said, there) or reading
+        return reading
+
+    def _plainly(self, row: int) -> Reading:
+        return Reading(row, np.eye(len(self.commands), dtype=np.float32)[row])
+
+    def _judged(self, taken: Taken, there: NDArray[np.bool_]) -> Reading:
+        if taken.parts.holds:
+            return self._plainly(WAIT_ROW)
+        acts, names, things = taken.told(there, len(self.commands))
         scores = acts * names
         best = int(scores.argmax())
         sure = acts[best] >= LEAST_ACT and names[best] >= LEAST_NAME
-        why = taken.parts.why or self._fixed(best if sure else None, taken.parts.things, there)
+        idle = taken.parts.idle if best != WAIT_ROW else ""
+        fixed = self._fixed(best if sure else None, taken.parts.things, there)
+        nothing = "" if all(thing.any() for thing in things) else NOTHING
+        why = taken.parts.why or idle or nothing or fixed
         if why in AGAINST:
             scores[best] = 0.0
+        if not why and acts[best] >= LEAST_ACT and best < THINGS:
+            fit = alike(names[:THINGS], taken.parts.side)
+            if len(fit.rows) > 1 and names[[*fit.rows]].sum() >= LEAST_ACT:
+                return Reading(None, scores, things, among(fit, self.commands), fit=fit)
         return Reading(best if sure and not why else None, scores, things, why, taken.parts.first)
+
+    def _besides(self, said: str, there: NDArray[np.bool_]) -> Reading | None:
+        """A phrase without its remarks, None where nothing of that can be obeyed; where it points
+        at something, a thing that the remarks name is meant."""
+        orders, remarks = set_apart(said)
+        if not remarks or not words_of(orders):
+            return None
+        taken = self._taken(orders)
+        if not taken.parts.things and not taken.parts.places:
+            named = {row: thing for remark in remarks for row, thing in self._named(remark)}
+            things = tuple(named.values()) if len(named) == 1 else ()
+            taken = self._take(taken.parts._replace(things=things))
+        reading = self._judged(taken, there)
+        return reading if reading.command is not None else None
+
+    def _named(self, remark: str) -> list[tuple[int, str]]:
+        """The things that a remark surely names, each with its row."""
+        taken = self._taken(remark)
+        told = [softmax(logits)[:THINGS] for logits in taken.things]
+        pairs = zip(taken.parts.things, told, strict=True)
+        return [(int(p.argmax()), name) for name, p in pairs if p.max() >= LEAST_ACT]
 
     def possible(self, there: NDArray[np.bool_], empty: bool = False) -> NDArray[np.bool_]:
         """[C] Which commands are about nothing that is missing; empty: nothing is in the hands."""
@@ -152,14 +174,14 @@ class Reader:
         reading = self.read(text, there)
         scores, can = reading.scores, self.possible(there, empty)
         if reading.command is not None and not can[reading.command]:
-            acts, names, _ = self._told(self._taken(self.spelt(text)), there)
+            acts, names, _ = self._taken(self.spelt(text)).told(there, len(self.commands))
             scores = acts * names  # Also of a command as it is: of the others it tells nothing.
         order = np.argsort(-np.where(can, scores, -1.0), kind="stable")
         return [(self.commands[row], float(scores[row])) for row in order[:NEAREST] if can[row]]
 
     def spelt(self, text: str) -> str:
-        """The phrase as it is read: plain, without a full stop, slips of the finger undone."""
-        said = bare(text)
+        """The phrase as it is read: plain, in standard words, without a full stop, slips undone."""
+        said = written(bare(text))
         words = words_of(said)
         for word, right in zip(words, corrected(words, self._known), strict=True):
             if word != right and not self._encoder.is_word(word):
@@ -171,10 +193,15 @@ class Reader:
         words = words_of(said)
         if not words:
             return Parts("", (), ())
-        told = judged(said, related(words, self._parts.parts(self._encoder.states(said))))
-        return take_apart(words, told.parts)._replace(why=told.why, first=told.first)
+        parts = related(words, self._parts.parts(self._encoder.states(said)))
+        told = judged(said, as_things(words, parts))
+        apart = take_apart(words, told.parts)
+        side = side_of(said) if apart.things else ""
+        return apart._replace(
+            why=told.why, first=told.first, idle=told.idle, holds=told.holds, side=side
+        )
 
-    def _taken(self, said: str) -> _Taken:
+    def _taken(self, said: str) -> Taken:
         with self._lock:
             known = self._seen.get(said)
         if known is None:
@@ -185,17 +212,15 @@ class Reader:
                     self._seen.popitem(last=False)
         return known
 
-    def _take(self, parts: Parts) -> _Taken:
+    def _take(self, parts: Parts) -> Taken:
         vectors = dict(zip(parts.texts(), self._encoder.embed(parts.texts()), strict=True))
         things = {
             text: self._names.chances(text, vectors[text])
             for text in (*parts.things, *parts.others())
         }
-        for text in parts.things:  # "One that isn't ham" is like the ham.
-            other = softmax(things[unlike(text)])[:THINGS] if unlike(text) else np.zeros(THINGS)
-            if other[things[text].argmax() % THINGS] >= LEAST_ACT:
-                parts = parts._replace(why=parts.why or EXCLUDES)
-        return _Taken(
+        if any(excluded(text, things) for text in parts.things):
+            parts = parts._replace(why=parts.why or EXCLUDES)
+        return Taken(
             self._acts.chances(parts.frame, vectors[parts.frame]),
             tuple(things[text] for text in parts.things),
             tuple(self._places.chances(text, vectors[text]) for text in parts.places),
@@ -213,30 +238,14 @@ class Reader:
         named = next((name for name in here if name in things), "")
         return f"can't be done: nobody here can take the {named}" if named else ""
 
-    def _told(
-        self, taken: _Taken, there: NDArray[np.bool_]
-    ) -> tuple[Floats, Floats, tuple[Floats, ...]]:
-        """[C] each: how probable each command's act is, and then its thing or place; and of each
-        thing that is named how probable each of the [15] is."""
-        told = dict(zip(ACTS, softmax(taken.acts), strict=True))
-        missing = np.append(np.where(there[:THINGS], 0.0, ABSENT), 0.0).astype(np.float32)
-        things = tuple(softmax(logits - missing)[:THINGS] for logits in taken.things)
-        acts, names = np.ones((2, len(self.commands)), np.float32)
-        acts[:THINGS] = told["pick"]
-        names[:THINGS] = agreed(things, THINGS)
-        places = agreed([softmax(logits)[: len(PLACES)] for logits in taken.places], len(PLACES))
-        put, without_place = told["put"], np.array([told[place] for place in PLACES])
-        if taken.places:  # To let go of something in a place is to put it there.
-            put, without_place[-1] = put + told["down"], 0.0
-        acts[PUTS] = put + without_place
-        known = min((float(thing.sum()) for thing in things), default=1.0)
-        names[PUTS] = known * (put * places + without_place) / acts[PUTS]
-        acts[WAIT_ROW] = told["wait"]
-        return acts, names, things
-
     def with_encoder(self, encoder: Sentences) -> "Reader":
         """The same reader, which has read nothing yet, with another encoder."""
         return restore(self.tensors(), encoder)
+
+    @property
+    def tagger(self) -> Tagger:
+        """What tells the part of each word."""
+        return self._parts
 
     def tensors(self) -> Tensors:
         """All that `restore` needs, by name."""
@@ -277,11 +286,3 @@ def restore(tensors: Tensors, encoder: Sentences) -> Reader:
 def bare(text: str) -> str:
     """A text in lower case, single spaces, without a full stop."""
     return plain(text).rstrip(".!")
-
-
-def agreed(named: Sequence[Floats], count: int) -> Floats:
-    """[count] What all that is named may be, each [count]; nothing, if nothing is named."""
-    if not named:
-        return np.zeros(count, np.float32)
-    least: Floats = np.min(np.stack(named), axis=0)
-    return least

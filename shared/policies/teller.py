@@ -23,6 +23,8 @@ SMALL_WORDS = (
 SCALE = 5.0
 """Vectors have unit length; this makes them weigh like the small words."""
 TINY = 1e-6
+DOUBT = 0.02
+"""What is known as it stands is in its class but for so much."""
 
 
 class Linear(NamedTuple):
@@ -46,9 +48,19 @@ class Teller(NamedTuple):
     def chances(self, text: str, vector: Floats) -> Floats:
         """[C + 1] logarithms of probabilities, up to a constant; vector: [D], the sentence's."""
         linear = softmax(self.linear(features(text, vector)))
-        alike = softmax(self.alike.logits(text, vector))
+        alike = self._alike(text, vector)
         answer: Floats = (np.log(linear + TINY) + np.log(alike + TINY)) / 2
         return answer
+
+    def _alike(self, text: str, vector: Floats) -> Floats:
+        """[C + 1] probabilities by known texts, of which it may be one."""
+        owner = self.alike.owner(text)
+        if owner is None:
+            return softmax(self.alike.logits(text, vector))
+        count = len(self.linear.bias)
+        sure = np.full(count, DOUBT / count, np.float32)
+        sure[owner] += 1 - DOUBT
+        return sure
 
     def tensors(self, prefix: str) -> Tensors:
         """All that `restore` needs, by name."""

@@ -6,10 +6,16 @@ PICK, PUT, WAIT, HOLD, MOVE = ("pick", "put", "wait", "hold", "move")
 """To take; to let go of; to do nothing; what is done with what is held; to act in any other way."""
 
 _VERBS = {
-    PICK: "pick take grab get fetch lift collect retrieve seize raise bring hand",
+    PICK: "pick take grab get fetch lift collect retrieve seize raise bring hand snaffle nab nick "
+    "pinch filch swipe pilfer purloin pocket collar cop clutch clasp grasp grapple grip glom latch "
+    "corral tweeze lasso heft cradle hoist hoick hoik pluck procure commandeer confiscate nobble "
+    "snag yoink cuff snare prise pry winkle harvest recover requisition scoop gather capture "
+    "extract withdraw acquire obtain select choose remove secure snatch catch elevate uplift",
     PUT: "put place set lay drop throw toss chuck fling bin dump trash discard release stack "
-    "stick deposit return leave",
-    WAIT: "wait pause stop halt",
+    "stick deposit return leave plonk plop plunk bung sling lob hurl pitch jettison ditch scrap "
+    "junk yeet huck hoy eject perch nestle drape plant unload offload stash stow tuck cram stuff "
+    "shove transfer relocate consign unhand relinquish plate tub",
+    WAIT: "wait pause stop halt freeze",
     HOLD: "hold keep touch stay stand",
     MOVE: "move do go carry start",
 }

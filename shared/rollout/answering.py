@@ -29,6 +29,8 @@ def objection(correction: Correction, moment: Moment) -> str:
     here, and whoever learns from it can tell.
     """
     episode = moment.episode
+    if correction.kind is Kind.PAUSE:  # Whoever stops a robot means it as it is, in any episode.
+        return ""
     if correction.kind in AFTERWARDS and (correction.episode != episode or moment.over):
         return ""
     if correction.episode != episode:

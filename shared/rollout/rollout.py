@@ -266,6 +266,7 @@ class Rollout:
         Kind.RETIME: _approve,
         Kind.RELABEL: _approve,
         Kind.FAULT: _approve,
+        Kind.ENDORSE: _approve,
     }
 
     def _acquit(self, correction: Correction) -> None:

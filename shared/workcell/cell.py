@@ -71,6 +71,7 @@ class Cell:
         self._rng = np.random.default_rng(0)
         self._slipping = [0, 0]
         self._eyes: dict[tuple[int, int, str], Eye] = {}
+        self._state: CellState | None = None  # None: it must be read anew.
         self.diverged = 0
         self.reset(self._rng)
 
@@ -125,7 +126,7 @@ class Cell:
     def place(self, name: str, position: tuple[float, float, float], yaw: float = 0.0) -> None:
         """Put an object of the stock somewhere, at rest: by a person, or to arrange a scene."""
         self._set_pose(OBJECT_NAMES.index(name), position, yaw)
-        mujoco.mj_forward(self._model, self._data)
+        self._forward()
 
     def move_plate(self, x: float, y: float) -> None:
         """Push the plate to (x, y) [m], with all that lies on it."""
@@ -135,7 +136,7 @@ class Cell:
             row = self._object_rows[item]
             self._data.qpos[row : row + 2] += shift
         self._data.mocap_pos[mocap, :2] += shift
-        mujoco.mj_forward(self._model, self._data)
+        self._forward()
 
     def step(self, targets: np.ndarray) -> None:
         """Advance one control step towards 14 joint targets; beyond the limits they are clipped.
@@ -153,6 +154,11 @@ class Cell:
 
     def state(self) -> CellState:
         """The true state now."""
+        if self._state is None:
+            self._state = self._read()
+        return self._state
+
+    def _read(self) -> CellState:
         data = self._data
         joints = np.empty((2, 7))
         joints[:, :6] = data.qpos[self._joint_rows]
@@ -190,7 +196,13 @@ class Cell:
         self._data.qpos[row : row + 7] = (*position, *quaternion)
         self._data.qvel[speed : speed + 6] = 0.0
 
+    def _forward(self) -> None:
+        """Bring what follows from the poses up to date, after something was moved by hand."""
+        self._state = None
+        mujoco.mj_forward(self._model, self._data)
+
     def _advance(self, targets: np.ndarray, steps: int) -> None:
+        self._state = None
         self._data.ctrl[:] = targets
         self._data.ctrl[[6, 13]] = targets[[6, 13]] / 2  # the gap is twice a finger's way
         before = self._data.qpos.copy(), self._data.mocap_pos.copy()
@@ -211,7 +223,7 @@ class Cell:
 
     def _slip(self, targets: np.ndarray) -> None:
         """Now and then open a hand that holds something, for `slip_steps` steps."""
-        held = self._held()
+        held = self.state().held
         for arm in (0, 1):
             if held[arm] >= 0 and self._rng.random() < self.site.slip_rate:
                 self._slipping[arm] = self.site.slip_steps

@@ -102,6 +102,13 @@ class WorkcellEnv(gymnasium.Env[Observation, np.ndarray]):
 
     def step(self, action: np.ndarray) -> tuple[Observation, float, bool, bool, Info]:
         """One control step. The reward is the progress in [0, 1], 1 meaning fulfilled."""
+        terminated = self.advance(action)
+        truncated = not terminated and self.elapsed_steps >= (self.max_steps or self.brief.steps)
+        reward = self.task.progress(self.state, self.brief)
+        return self._observe(), reward, terminated, truncated, self._info()
+
+    def advance(self, action: np.ndarray) -> bool:
+        """One control step, for who looks at `state` only when it needs to; whether it is done."""
         self.cell.step(action)
         self.state = self.cell.state()
         seen = self._people.count
@@ -109,13 +116,9 @@ class WorkcellEnv(gymnasium.Env[Observation, np.ndarray]):
         if self._people.count > seen:
             self.state = self.cell.state()
         self.elapsed_steps += 1
-        info = self._info()
-        done = info["success"] and not self.state.holding
+        done = not self.state.holding and self.task.success(self.state, self.brief)
         self._fulfilled_steps = self._fulfilled_steps + 1 if done else 0
-        terminated = self._fulfilled_steps >= HELD_SUCCESS_STEPS
-        truncated = not terminated and self.elapsed_steps >= (self.max_steps or self.brief.steps)
-        reward = self.task.progress(self.state, self.brief)
-        return self._observe(), reward, terminated, truncated, info
+        return self._fulfilled_steps >= HELD_SUCCESS_STEPS
 
     def images(self, size: int = IMAGE_SIZE) -> np.ndarray:
         """What a policy sees now: top and angle, [2, size, size, 3] uint8."""

@@ -13,7 +13,7 @@ from typing import Annotated, Any, NamedTuple, Protocol
 from pydantic import Field
 
 from shared.config import Settings
-from shared.messages.policy import Version
+from shared.messages.policy import is_version
 from shared.workcell.skills import SKILLS, is_there
 from shared.workcell.state import CellState
 from shared.workcell.tasks import task_named
@@ -119,11 +119,7 @@ def judge(seen: Seen, habits: Habits) -> Verdict:
 
 def held(seen: Seen) -> bool:
     """Somebody's override was holding."""
-    try:
-        Version.parse(seen.chosen_by)
-    except ValueError:
-        return True
-    return False
+    return not is_version(seen.chosen_by)
 
 
 def top(seen: Seen) -> str:

@@ -190,21 +190,18 @@ def inside(state: CellState, container: int) -> frozenset[int]:
 
     container: the row of `BIN` or `TUB`.
     """
+    points, holding = state.points, state.holding
     return frozenset(
         item
         for item in range(COUNT)
-        if item not in state.holding
-        and over(state, item, container)
-        and state.points[item][2] < IN_M
+        if points[item][2] < IN_M and over(state, item, container) and item not in holding
     )
 
 
 def over(state: CellState, item: int, container: int) -> bool:
     """Whether the centre of a thing is above the bin or the tub, at any height."""
-    box_x, box_y, _ = state.points[container]
-    x, y, _ = state.points[item]
-    box = CONTAINERS[container]
-    return abs(x - box_x) < box.half_x_m and abs(y - box_y) < box.half_y_m
+    at, middle, box = state.points[item], state.points[container], CONTAINERS[container]
+    return abs(at[0] - middle[0]) < box.half_x_m and abs(at[1] - middle[1]) < box.half_y_m
 
 
 def in_bin(state: CellState) -> frozenset[int]:

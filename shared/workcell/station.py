@@ -52,13 +52,17 @@ class Station:
         """The cell itself, for who judges what happens in it."""
         return self._env
 
+    @property
+    def progress(self) -> float:
+        """How much of what the task asks for is in place, in [0, 1]."""
+        return self._env.task.progress(self._env.state, self._env.brief)
+
     def right_command(self, previous: str | None) -> str:
         """What the oracle would say now, from the true state."""
         return self._env.task.next_command(self._env.state, self._env.brief, previous)
 
     def step(self, action: np.ndarray) -> bool:
-        _, _, terminated, _, _ = self._env.step(action)
-        return terminated
+        return self._env.advance(action)
 
     def close(self) -> None:
         self._env.close()

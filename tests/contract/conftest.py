@@ -1,14 +1,18 @@
 """Two buses on one router, for each implementation of the protocol."""
 
+import itertools
 from collections.abc import Callable, Iterator
 
 import pytest
 
 from shared.wire.bus import Bus
+from shared.wire.keys import robot_key
 from shared.wire.memory import MemoryBus, MemoryRouter
 from tests.integration.wire.processes import RouterProcess
 
 Buses = Callable[[], Bus]
+
+_fleets = itertools.count()
 
 
 @pytest.fixture(scope="session")
@@ -44,3 +48,14 @@ def bus(new_bus: Buses) -> Bus:
 @pytest.fixture
 def other(new_bus: Buses) -> Bus:
     return new_bus()
+
+
+@pytest.fixture
+def fleet() -> str:
+    """A place of its own on the bus for each test, since those of Zenoh share one router."""
+    return f"fleet-{next(_fleets)}"
+
+
+@pytest.fixture
+def key(fleet: str) -> str:
+    return robot_key(fleet, "r-1", "decision")

@@ -16,10 +16,21 @@ from shared.messages.frame import Frame
 from shared.messages.goal import LanguageGoal
 from shared.messages.heartbeat import LearnerHeartbeat, LearnerState, RobotHeartbeat, RobotState
 from shared.messages.help import Help, Reason
+from shared.messages.learned import LearnedAnswer, LearnedQuestion
+from shared.messages.lineage import (
+    Compared,
+    Lineage,
+    RoundTold,
+    RulingTold,
+    Share,
+    VersionTold,
+)
 from shared.messages.message import Message
 from shared.messages.observation import Observation
+from shared.messages.phrase import Near, PhraseAnswer, PhraseQuestion
 from shared.messages.policy import PolicyAnnouncement, TensorRef, Version
 from shared.messages.receipt import Receipt
+from shared.messages.recording import Recorded, Recording, RecordingQuery, Still, StillQuery
 from shared.messages.ruling import Ruling, Verb
 from shared.messages.trial import TrialOrder, TrialReport, TrialResult
 from shared.wire.codec import encode
@@ -27,16 +38,25 @@ from shared.wire.codec import encode
 GOLDEN = Path(__file__).parent / "golden"
 
 NUMBERS: dict[type[Message], int] = {
-    Correction: 2,
+    Correction: 3,
     Decision: 3,
     Episode: 2,
     Frame: 1,
+    LearnedAnswer: 1,
+    LearnedQuestion: 1,
     LearnerHeartbeat: 1,
+    Lineage: 1,
     Observation: 1,
+    PhraseAnswer: 2,
+    PhraseQuestion: 2,
     PolicyAnnouncement: 2,
     Receipt: 1,
+    Recording: 1,
+    RecordingQuery: 1,
     RobotHeartbeat: 2,
     Ruling: 1,
+    Still: 1,
+    StillQuery: 1,
     TrialOrder: 1,
     TrialReport: 1,
 }
@@ -69,7 +89,10 @@ def samples() -> dict[type[Message], Message]:
     """The message of each class."""
     made: tuple[Message, ...] = (
         correction(), decision(), episode(), frame(), learner(), observation(), policy(),
-        receipt(), robot(), ruling(), order(), report(),
+        receipt(), robot(), ruling(), order(), report(), phrase_question(), phrase_answer(),
+        learned_question(), learned_answer(), recording(), still(), lineage(),
+        RecordingQuery(episode="ep-1", first=3, limit=50),
+        StillQuery(decision="dec-1", camera="top"),
     )  # fmt: skip
     return {type(message): message for message in made}
 
@@ -117,6 +140,7 @@ def correction() -> Correction:
         delay_steps=5,
         begun_ns=TIME_NS,
         created_ns=TIME_NS + 1,
+        heard="no the cheese first",
         note="the cheese first",
     )
 
@@ -255,6 +279,82 @@ def ruling() -> Ruling:
         reason="it is the only yellow slice – sicher",
         created_ns=TIME_NS,
     )
+
+
+def phrase_question() -> PhraseQuestion:
+    text = "grab the yellow slice – bitte schön"
+    return PhraseQuestion(robot="robot-1", text=text, anywhere=True)
+
+
+def phrase_answer() -> PhraseAnswer:
+    return PhraseAnswer(
+        robot="robot-1",
+        step=150,
+        text="grab the yellow slice – bitte schön",
+        commands=("pick up the cheese", "wait"),
+        means="pick up the cheese",
+        refused="nothing is in the hands",
+        known=True,
+        nearest=(Near(command="pick up the cheese", score=0.75),),
+        low_level_sha256="5d" * 32,
+    )
+
+
+def learned_question() -> LearnedQuestion:
+    return LearnedQuestion(corrections=("cor-1", "cor-2"))
+
+
+def learned_answer() -> LearnedAnswer:
+    return LearnedAnswer(learned={"cor-1": Version(1, 2)}, held_out=("cor-2",))
+
+
+def recording() -> Recording:
+    told = decision()
+    names = set(Recorded.model_fields) - {"arrays", "entropy"}
+    fields = {name: getattr(told, name) for name in names}
+    recorded = Recorded(**fields, entropy=told.entropy)
+    return Recording(episode="ep-1", robot="robot-1", decisions=(recorded,), next=4)
+
+
+def still() -> Still:
+    jpeg = np.frombuffer(b"\xff\xd8 a picture \xff\xd9", np.uint8)
+    return Still(decision="dec-1", camera="top", step=150, arrays={"jpeg": jpeg})
+
+
+def lineage() -> Lineage:
+    before = Share(share=0.52, n=200, low=0.45, high=0.59)
+    after = Share(share=0.71, n=200, low=0.64, high=0.77)
+    compared = Compared(before=before, after=after)
+    told = RoundTold(
+        number=2,
+        epoch=1,
+        parent=1,
+        made=2,
+        state="passed",
+        episodes=24,
+        corrections=14,
+        labels=433,
+        held_out=compared,
+        retained=compared,
+        trials=compared,
+        trials_p=0.0625,
+        seconds=99.5,
+        promotable=False,
+        reason="none",
+        begun_ns=TIME_NS,
+        ended_ns=TIME_NS + 1,
+    )
+    version = VersionTold(
+        number=2,
+        epoch=1,
+        created_ns=TIME_NS,
+        round=2,
+        again=0,
+        ruling="rule-1",
+        robots=("robot-1",),
+    )
+    ruled = RulingTold(ruling=ruling(), answered_ns=TIME_NS, made=2, reason="none")
+    return Lineage(version=Version(1, 2), versions=(version,), rounds=(told,), rulings=(ruled,))
 
 
 def golden_file(cls: type[Message], number: int) -> Path:

@@ -18,6 +18,13 @@ PARTS = {
     "TensorRef",
     "Help",
     "TrialResult",
+    "Near",
+    "Recorded",
+    "Share",
+    "Compared",
+    "RoundTold",
+    "VersionTold",
+    "RulingTold",
 }  # They travel within others only.
 
 

@@ -61,6 +61,8 @@ HOMES = {
         "services.actor",
     },
     "httpx": {"services.oracle", "deploy"},
+    "pocketsphinx": {"services.correction_api.speech"},
+    "faster_whisper": {"services.correction_api.speech"},
     "pickle": set(),
     "cloudpickle": set(),
     "dill": set(),

@@ -44,17 +44,34 @@ def test_mcnemar_doesnt_care_which_comes_first(pairs):
 def test_a_difference_lies_in_its_interval_and_turns_with_its_sides():
     chance = np.random.default_rng(1)
     first, second = chance.random(50) < 0.8, chance.random(50) < 0.5
-    gap = paired_difference(first, second, draws=500)
-    back = paired_difference(second, first, draws=500)
+    gap = paired_difference(first, second)
+    back = paired_difference(second, first)
     assert gap.low < gap.value < gap.high
-    assert back.value == -gap.value
-    assert gap == paired_difference(first, second, draws=500)
+    assert back == pytest.approx((-gap.value, -gap.high, -gap.low))
+
+
+@pytest.mark.parametrize(
+    ("both", "first", "second", "neither", "interval"),
+    # Newcombe 1998, table of method 10.
+    [(36, 12, 2, 0, (0.0569, 0.3404)), (54, 0, 0, 0, (-0.0664, 0.0664))],
+)
+def test_the_interval_of_a_difference_is_newcombes(both, first, second, neither, interval):
+    pairs = [(1, 1)] * both + [(1, 0)] * first + [(0, 1)] * second + [(0, 0)] * neither
+    gap = paired_difference(*zip(*pairs, strict=True))
+    assert (gap.low, gap.high) == pytest.approx(interval, abs=1e-4)
+
+
+def test_training_seeds_that_all_agree_leave_the_chance_of_the_scenes():
+    always = [[True] * 40] * 3
+    gap = seeds_difference(always, always, draws=500)
+    assert gap == paired_difference(always[0], always[0])
+    assert gap.low < 0 < gap.high
 
 
 def test_pairs_that_vary_together_give_a_narrower_interval_than_those_that_dont():
     hard = np.random.default_rng(2).random(80) < 0.5
-    together = paired_difference(hard, hard & (np.arange(80) % 10 > 0), draws=500)
-    apart = paired_difference(hard, np.roll(hard, 1), draws=500)
+    together = paired_difference(hard, hard & (np.arange(80) % 10 > 0))
+    apart = paired_difference(hard, np.roll(hard, 1))
     assert together.high - together.low < apart.high - apart.low
 
 

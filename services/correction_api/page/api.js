@@ -7,6 +7,11 @@ export const token = {
   set: (value) => sessionStorage.setItem(TOKEN, value),
 };
 
+let refused = () => {};
+
+/** Have `shut()` called whenever the service wants a token that this page doesn't have. */
+export const onRefused = (shut) => (refused = shut);
+
 /** An answer that says no; `detail` says what is wrong and what would be right. */
 export class Problem extends Error {
   constructor(status, detail) {
@@ -21,17 +26,28 @@ export function socketUrl() {
   return url;
 }
 
-export const get = (path) => call("GET", path);
-export const post = (path, body) => call("POST", path, body);
+const PATIENCE_MS = 15_000; // Whoever does not answer within it hangs.
 
-async function call(method, path, body) {
-  const headers = body ? { "Content-Type": "application/json" } : {};
+export const get = (path) => call("GET", path);
+
+/** withinMs: after this it is given up, and can be sent again under the id that it has. */
+export const post = (path, body, withinMs = PATIENCE_MS) =>
+  call("POST", path, JSON.stringify(body), { withinMs });
+
+/** Send sound as its type says; to recognise it takes a while on a busy machine. */
+export const postSound = (path, type, sound) =>
+  call("POST", path, sound, { type, withinMs: 4 * PATIENCE_MS });
+
+async function call(method, path, body, { type = "application/json", withinMs = PATIENCE_MS } = {}) {
+  const headers = body ? { "Content-Type": type } : {};
   if (token.get()) headers.Authorization = `Bearer ${token.get()}`;
   const answer = await fetch(new URL(path, BASE), {
     method,
     headers,
-    body: body && JSON.stringify(body),
+    body,
+    signal: AbortSignal.timeout(withinMs),
   });
+  if (answer.status === 401) refused();
   const content = answer.status === 204 ? null : await answer.json();
   if (!answer.ok) throw new Problem(answer.status, content.detail);
   return content;

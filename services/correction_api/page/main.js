@@ -1,40 +1,59 @@
 // The page: a live connection, a state, and one function that shows it.
-import { get, token } from "./api.js";
-import { Fleet } from "./fleet.js";
+import { get, onRefused } from "./api.js";
+import { Focus } from "./focus.js";
+import { Help } from "./help.js";
 import { html, render } from "./html.js";
 import { listen } from "./keys.js";
 import { Live } from "./live.js";
+import { Lock } from "./lock.js";
+import { Overview } from "./overview.js";
+import { Line, Panel } from "./panel.js";
 import { show } from "./pictures.js";
-import { Robot } from "./robot.js";
-import { hear, loadHistory, loadTally, onChange, state, touch } from "./store.js";
+import { Rail } from "./rail.js";
+import { watchOverruled } from "./said.js";
+import { settle } from "./say.js";
+import { cancel, listenForSpeech } from "./speak.js";
+import { author, focus, hear, loadHistory, loadTally, names, onChange, state, touch } from "./store.js";
 
 let live = null;
-const turn = (robot, camera, on) => live.turn(robot, camera, on);
+const turn = (robot, camera, rate, on) => live.turn(robot, camera, rate, on);
 
 function Page() {
-  const robots = Object.keys(state.robots).sort();
+  const robots = names();
+  const robot = focus();
+  const size = robots.length > 4 ? "many" : robots.length > 1 ? "few" : "one";
   return html`
-    <${Fleet} />
-    ${state.ready && !state.linked && html`<p class="banner" role="alert">No connection …</p>`}
-    <main>
-      ${robots.map((name) => html`<${Robot} key=${name} robot=${state.robots[name]} turn=${turn} />`)}
-      ${!robots.length && html`<p class="empty">No robot has been heard of yet.</p>`}
+    <${Overview} />
+    <${Outage} />
+    <main class=${`desk ${size} ${state.silent ? "quiet" : ""}`}>
+      ${robot && html`<${Focus} key=${robot.robot} robot=${robot} turn=${turn} />`}
+      ${robot && html`<${Panel} robot=${robot} />`}
+      <${Rail} robots=${robots} turn=${turn} />
+      ${!robot && html`<div class="empty"><p>No robot has been heard of yet.</p><${Line} /></div>`}
     </main>
+    ${state.asking && html`<${Help} />`}
   `;
 }
 
-function Lock() {
-  const unlock = (event) => {
-    event.preventDefault();
-    token.set(event.target.elements.token.value);
-    location.reload();
-  };
+/** What one sees is old: said once, while the seconds go on. */
+function Outage() {
+  if (!state.ready || (state.linked && !state.silent)) return null;
+  if (!state.silent) return html`<p class="banner" role="alert">No connection …</p>`;
   return html`
-    <form class="lock" onSubmit=${unlock}>
-      <label>Token of this service <input name="token" type="password" /></label>
-      <button>Open</button>
-    </form>
+    <p class="banner" role="alert">
+      Nothing heard from the service${" "}
+      <span aria-hidden="true">for ${state.silent} s</span>: what you see is old, and robots may
+      move. A freeze is sent again until it is answered.
+    </p>
   `;
+}
+
+/** Who sits before this page, and which robot they look at: so that others see it. */
+const present = () => ({ author: author(), focus: state.focused });
+
+function heard(message) {
+  hear(message);
+  watchOverruled(message);
 }
 
 function linked(yes) {
@@ -43,15 +62,34 @@ function linked(yes) {
   touch();
 }
 
+function quiet(seconds) {
+  if (state.silent === seconds) return;
+  state.silent = seconds;
+  touch();
+}
+
+/** Whoever's token is no longer good steers nothing; a new one opens the page anew. */
+function lock() {
+  state.locked = true;
+  live?.end();
+  cancel();
+  touch();
+}
+
 async function start() {
+  onRefused(lock);
   onChange(() => render(html`<${state.locked ? Lock : Page} />`, document.body));
   try {
-    await get("learner");
-  } catch (error) {
-    state.locked = error.status === 401;
+    const { person } = await get("me");
+    state.person = person;
+    state.name = person ?? state.name;
+  } catch {
+    // Refused, or not there: then it may come back.
   }
   state.ready = true;
-  if (!state.locked) live = new Live({ heard: hear, seen: show, linked });
+  if (!state.locked) listenForSpeech();
+  const take = (message) => [heard, settle].forEach((hear) => hear(message));
+  if (!state.locked) live = new Live({ heard: take, seen: show, linked, present, quiet });
   listen();
   touch();
 }

@@ -1,7 +1,7 @@
 // Camera pictures, drawn past Preact: the newest wins, and one is decoded at a time per camera.
 import { Component, html } from "./html.js";
 
-const boards = new Map();
+const boards = new Map(); // by robot and camera: where its pictures are drawn
 
 /** Draw a picture that came; one that nobody shows is forgotten. */
 export function show(head, jpeg) {
@@ -11,8 +11,8 @@ export function show(head, jpeg) {
   if (!board.busy) draw(board);
 }
 
-/** The control step of the picture that a person sees now. */
-export const seenStep = (robot) => boards.get(`${robot}/angle`)?.step ?? null;
+/** The control step of the picture that a person sees now, and its episode. */
+export const seen = (robot) => boards.get(`${robot}/angle`)?.seen ?? null;
 
 async function draw(board) {
   board.busy = true;
@@ -21,7 +21,9 @@ async function draw(board) {
     board.next = null;
     try {
       const image = await createImageBitmap(new Blob([jpeg], { type: "image/jpeg" }));
-      paint(board, image, head);
+      for (const canvas of board.canvases) paint(canvas, image, head.step);
+      image.close();
+      board.seen = { step: head.step, episode: head.episode };
     } catch {
       continue; // A picture that is none: the next one will do.
     }
@@ -29,37 +31,43 @@ async function draw(board) {
   board.busy = false;
 }
 
-function paint(board, image, head) {
-  const { canvas } = board;
+function paint(canvas, image, step) {
   if (canvas.width !== image.width || canvas.height !== image.height) {
     canvas.width = image.width;
     canvas.height = image.height;
   }
   canvas.getContext("2d").drawImage(image, 0, 0);
-  image.close();
-  board.step = head.step;
-  canvas.dataset.step = head.step;
+  canvas.dataset.step = step;
+  canvas.dataset.drawn = Number(canvas.dataset.drawn ?? 0) + 1;
   canvas.classList.add("drawn");
 }
 
-/** One camera of one robot; pictures are asked for only while it can be seen. */
+/** One camera of one robot at a rate; pictures are asked for only while it can be seen. */
 export class Picture extends Component {
   shouldComponentUpdate() {
     return false;
   }
 
   componentDidMount() {
-    const { robot, camera, turn } = this.props;
-    boards.set(`${robot}/${camera}`, { canvas: this.canvas, step: null, next: null, busy: false });
-    this.eye = new IntersectionObserver(([entry]) => turn(robot, camera, entry.isIntersecting));
+    const { robot, camera, rate, turn } = this.props;
+    this.board = boards.get(`${robot}/${camera}`) ?? { canvases: new Set(), seen: null };
+    boards.set(`${robot}/${camera}`, this.board);
+    this.board.canvases.add(this.canvas);
+    this.eye = new IntersectionObserver(([entry]) => {
+      if (this.looking === entry.isIntersecting) return;
+      this.looking = entry.isIntersecting;
+      turn(robot, camera, rate, this.looking);
+    });
+    this.looking = false;
     this.eye.observe(this.canvas);
   }
 
   componentWillUnmount() {
-    const { robot, camera, turn } = this.props;
+    const { robot, camera, rate, turn } = this.props;
     this.eye.disconnect();
-    boards.delete(`${robot}/${camera}`);
-    turn(robot, camera, false);
+    this.board.canvases.delete(this.canvas);
+    if (!this.board.canvases.size) boards.delete(`${robot}/${camera}`);
+    if (this.looking) turn(robot, camera, rate, false);
   }
 
   render({ robot, camera }) {

@@ -1,24 +1,33 @@
 // What the page knows; every change asks for one render at the next frame.
 import { get } from "./api.js";
+import { arrange } from "./places.js";
+import { inquire, refused } from "./scene.js";
+import { idOf } from "./words.js";
 
-const HISTORY = 20;
-const SLOTS = 9;
+const HISTORY = 60;
 const AUTHOR = "hld-author";
+const FOCUSED = "hld-focused"; // kept for this tab, so that the stop is for the same robot after a reload
+const COMES_BACK_MS = 2000;
 
 export const state = {
   linked: false,
+  silent: 0, // for so many seconds nothing was heard of the service, if that is too long
   ready: false,
   locked: false,
-  keys: true,
+  keys: true, // whether single keys act
+  asking: false, // whether the list of keys is open
   focused: null,
   name: localStorage.getItem(AUTHOR) ?? "person", // as it was typed; see `author`
+  person: null, // whose token this page has, where tokens have names
+  here: [], // who else has a page open: name and robots in focus
   robots: {},
   learner: null,
   tally: [],
   help: { asking: [], suppressed: 0 }, // robots in doubt, the most urgent first
   corrections: {}, // by robot, the newest first
-  said: {}, // by robot: the last thing that was said here, and what became of it
-  slots: {}, // by robot: which phrase stands on which key
+  sending: {}, // by id: what was said here and is not in the log yet, or was never taken
+  places: {}, // by robot: which phrase stands on which key, see `places.js`
+  line: { mark: "", text: "" }, // the one line that is read out
 };
 
 let changed = () => {};
@@ -35,6 +44,12 @@ export function touch() {
   });
 }
 
+/** Say something in the line that is read out. mark: good, bad, wait or nothing. */
+export function tell(text, mark = "") {
+  state.line = { mark, text };
+  touch();
+}
+
 /** Kept at every key stroke: the page is drawn anew several times a second. */
 export function setName(name) {
   state.name = name;
@@ -43,74 +58,93 @@ export function setName(name) {
 }
 
 /** Under which id this person's corrections go. */
-export const author = () =>
-  state.name.toLowerCase().replace(/[^a-z0-9-]+/g, "-").slice(0, 64) || "person";
+export const author = () => idOf(state.name);
+
+export const names = () => Object.keys(state.robots).sort(byNumber);
+const byNumber = new Intl.Collator("en", { numeric: true }).compare;
+
+/** The robot in focus, if there is one. */
+export const focus = () => state.robots[state.focused] ?? null;
+
+/** Look at another robot. */
+export function look(robot) {
+  if (!state.robots[robot] || state.focused === robot) return;
+  focusOn(robot);
+  loadHistory(robot).catch(() => {});
+  touch();
+}
+
+function focusOn(robot) {
+  state.focused = robot;
+  sessionStorage.setItem(FOCUSED, robot);
+}
+
+/** The one that was in focus before the page was opened anew; another one, if it doesn't come. */
+function refocus(robot) {
+  const before = sessionStorage.getItem(FOCUSED) ?? robot;
+  if (robot === before) focusOn(robot);
+  else setTimeout(() => state.focused ?? look(names()[0]), COMES_BACK_MS);
+}
+
+/** Who else looks at a robot. */
+export const others = (robot) =>
+  state.here.filter(({ name, robots }) => name !== author() && robots.includes(robot));
 
 /** The robot's call for help, if one is open. */
 export const callOf = (robot) => state.help.asking.find((call) => call.robot === robot);
 
-/** Focus the next robot in doubt; from one that isn't, the most urgent. */
-export function next() {
+/** The next robot in doubt; from one that isn't, the most urgent. */
+export function inDoubt() {
   const robots = state.help.asking.map(({ robot }) => robot);
-  if (!robots.length) return;
-  state.focused = robots[(robots.indexOf(state.focused) + 1) % robots.length];
-  document.querySelector(`[data-robot="${state.focused}"]`)?.scrollIntoView({ block: "nearest" });
-  touch();
+  return robots[(robots.indexOf(state.focused) + 1) % robots.length];
 }
 
 /** Take in a message of the WebSocket. */
 export function hear(message) {
   if (message.type === "robot") hearRobot(message.robot);
   if (message.type === "learner") state.learner = message.learner;
+  if (message.type === "people") state.here = message.people.here;
   if (message.type === "help") state.help = message.help;
   if (message.type === "correction") hearCorrection(message.correction);
-  if (message.type === "episode") loadTally();
+  if (message.type === "episode") loadTally().catch(() => {});
   touch();
 }
 
 function hearRobot(robot) {
   state.robots[robot.robot] = robot;
-  state.focused ??= robot.robot;
-  if (robot.decision) arrange(robot.robot, robot.decision.proposed);
+  if (!state.focused) refocus(robot.robot);
+  if (robot.decision) place(robot);
+}
+
+/** Give the proposals their keys; of the robot in focus, also learn which ones it could not do. */
+function place(view) {
+  const { robot, episode, decision } = view;
+  const places = state.places[robot];
+  state.places[robot] = arrange(places, episode, decision.proposed, refused(view), Date.now());
+  if (robot === state.focused) inquire(view, () => hear({ type: "robot", robot: state.robots[robot] }));
 }
 
 export function hearCorrection(view) {
   const { robot, id } = view.correction;
-  const others = (state.corrections[robot] ?? []).filter((other) => other.correction.id !== id);
+  delete state.sending[id];
+  const views = state.corrections[robot] ?? [];
+  const known = views.find((other) => other.correction.id === id);
+  if (view.status === "pending" && known) return; // An answer may come after what became of it.
+  const others = views.filter((other) => other !== known);
   state.corrections[robot] = [view, ...others]
     .sort((one, other) => other.sequence - one.sequence)
     .slice(0, HISTORY);
-  if (state.said[robot]?.id === id) {
-    state.said[robot] = { ...state.said[robot], status: view.status, view };
-  }
 }
-
-/**
- * Give each phrase a place that it keeps: scores change several times a second, and a button must
- * not move away under the finger. The best three are always there.
- */
-export function arrange(robot, proposed) {
-  const scores = new Map(proposed.map(({ goal, score }) => [goal.text, score]));
-  const slots = (state.slots[robot] ?? []).filter((text) => scores.has(text));
-  for (const [rank, { goal }] of proposed.entries()) {
-    if (slots.includes(goal.text)) continue;
-    if (slots.length < SLOTS) slots.push(goal.text);
-    else if (rank < 3) slots[worst(slots, scores)] = goal.text;
-  }
-  state.slots[robot] = slots;
-}
-
-const worst = (slots, scores) =>
-  slots.reduce((low, text, at) => (scores.get(text) < scores.get(slots[low]) ? at : low), 0);
 
 export async function loadTally() {
   state.tally = (await get("episodes?limit=1")).tally;
   touch();
 }
 
-/** What was said before this page was opened. */
-export async function loadHistory() {
-  const { corrections } = await get("corrections?limit=100");
+/** What was said before this page was opened, of one robot or of all. */
+export async function loadHistory(robot) {
+  const about = robot ? `&robot=${robot}` : "";
+  const { corrections } = await get(`corrections?limit=${robot ? HISTORY : 100}${about}`);
   for (const view of corrections.reverse()) hearCorrection(view);
   touch();
 }

@@ -1,25 +1,23 @@
 """Corrections: taken, and read back."""
 
-import hashlib
 from typing import Annotated
 
-from fastapi import APIRouter, Header, Query, Response
+from fastapi import APIRouter, Query, Response
 from pydantic import BaseModel, ConfigDict, Field
 
 from services.correction_api import examples
 from services.correction_api.hindsight import find_correction
 from services.correction_api.parts import Parts
 from services.correction_api.problems import Problem, described
-from services.correction_api.routes import PartsDep
+from services.correction_api.routes import KeyDep, PartsDep, PersonDep, named, signed
 from services.correction_api.show import show_correction
 from services.correction_api.store.log import Entry, Status
 from services.correction_api.topic import current
 from services.correction_api.utterance import Utterance
 from services.correction_api.views import CorrectionPage, CorrectionView
-from shared.messages.message import ID_PATTERN, Id
+from shared.messages.message import Id
 
 MAX_PAGE = 200
-MAX_KEY = 255
 
 router = APIRouter(tags=["corrections"])
 
@@ -50,7 +48,7 @@ class HistoryQuery(BaseModel):
             "On disk; the robot has not answered yet, and is asked until it does or time runs out",
         )
         | {"model": CorrectionView},
-        **described(400, 404, 413, 415, 422, 503),
+        **described(400, 403, 404, 413, 415, 422, 503),
         409: examples.refused(
             "refused",
             "Refused as things stand; what is current is named",
@@ -61,15 +59,14 @@ class HistoryQuery(BaseModel):
 )
 async def correct(
     parts: PartsDep,
+    person: PersonDep,
     robot: str,
     said: Utterance,
     response: Response,
-    idempotency_key: Annotated[
-        str | None, Header(max_length=MAX_KEY, description="instead of `id` in the body")
-    ] = None,
+    idempotency_key: KeyDep = None,
 ) -> CorrectionView:
     _check_length(said, parts.settings.text_characters)
-    entry = await parts.desk.accept(robot, said, _name(said, idempotency_key))
+    entry = await parts.desk.accept(robot, _signed(said, person), named(said.id, idempotency_key))
     if entry.status in (Status.REFUSED, Status.EXPIRED):
         raise _refusal(parts, entry)
     if entry.status is Status.PENDING:
@@ -113,15 +110,11 @@ def _check_length(said: Utterance, limit: int) -> None:
         raise Problem(422, "invalid", "The request is not valid", detail)
 
 
-def _name(said: Utterance, key: str | None) -> str | None:
-    """The client's own id: given in the body, or by the header (any text; hashed if need be)."""
-    if key is None:
-        return said.id
-    name = key if ID_PATTERN.match(key) else f"key-{hashlib.sha256(key.encode()).hexdigest()[:32]}"
-    if said.id not in (None, name):
-        detail = f"id is {said.id!r} but Idempotency-Key is {key!r}; give one, or the same twice"
-        raise Problem(422, "invalid", "The request is not valid", detail)
-    return name
+def _signed(said: Utterance, person: str | None) -> Utterance:
+    """What was said, by whoever's token came with it."""
+    author = said.author if "author" in said.model_fields_set else None
+    name = signed(person, author)
+    return said.model_copy(update={"author": name}) if name else said
 
 
 def _refusal(parts: Parts, entry: Entry) -> Problem:

@@ -16,7 +16,7 @@ MEDIA_TYPES = {
 }
 
 
-NAMED = {"": "index.html", "docs": "docs.html"}
+NAMED = {"": "index.html", "docs": "docs.html"}  # The others are asked for by their names.
 
 
 class Asset(NamedTuple):
@@ -35,6 +35,8 @@ def make_router() -> APIRouter:
         router.add_api_route(f"/{name}", _serving(assets, name), methods=["GET", "HEAD"])
     for path, name in NAMED.items():
         router.add_api_route(f"/{path}", _serving(assets, name), methods=["GET", "HEAD"])
+    missing = _serving(assets, "missing.html", 404)  # After the others: any other name of a page.
+    router.add_api_route("/{name}.html", missing, methods=["GET", "HEAD"])
     return router
 
 
@@ -51,12 +53,12 @@ def _read(folder: Traversable, path: str) -> Mapping[str, Asset]:
     return found
 
 
-def _serving(assets: Mapping[str, Asset], name: str):  # type: ignore[no-untyped-def]
+def _serving(assets: Mapping[str, Asset], name: str, status: int = 200):  # type: ignore[no-untyped-def]
     async def serve(request: Request) -> Response:
         asset = assets[name]
         headers = {"ETag": asset.etag, "Cache-Control": "no-cache"}
         if request.headers.get("If-None-Match") == asset.etag:
             return Response(status_code=304, headers=headers)
-        return Response(asset.content, media_type=asset.media_type, headers=headers)
+        return Response(asset.content, status, media_type=asset.media_type, headers=headers)
 
     return serve

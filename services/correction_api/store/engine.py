@@ -38,11 +38,11 @@ def open_engine(database: Path, *, begin: str = "BEGIN", size: int = READERS) ->
     return engine
 
 
-def upgrade(engine: Engine) -> None:
-    """Bring the tables to the newest shape; a new file gets all of them."""
+def upgrade(engine: Engine, shape: str = "head") -> None:
+    """Bring the tables to a shape, the newest one; a new file gets all of them."""
     config = Config()
     config.set_main_option("script_location", str(Path(__file__).parent / "migrations"))
     config.set_main_option("path_separator", "os")
     with engine.begin() as connection:
         config.attributes["connection"] = connection
-        command.upgrade(config, "head")
+        command.upgrade(config, shape)

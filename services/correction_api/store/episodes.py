@@ -1,14 +1,19 @@
-"""Episodes that robots told of, so that the page can say how often each version succeeds."""
+"""Episodes that robots told of: how often each version succeeds, and finding one of them."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from sqlalchemy import Connection, Engine, case, func, select
+from pydantic import BaseModel
+from sqlalchemy import Connection, Engine, Select, and_, case, func, or_, select
 from sqlalchemy.dialects.sqlite import insert
 
-from services.correction_api.store.tables import episodes
+from services.correction_api.store.tables import calls, corrections, episodes
 from services.correction_api.store.writer import Writer
+from shared.messages.correction import Kind, speaking_s
 from shared.messages.episode import Episode, Outcome
+from shared.messages.help import Help
 from shared.messages.policy import Version
+
+_TAUGHT = (Kind.OVERRIDE, Kind.EDIT, Kind.RETIME, Kind.RELABEL)  # Said what would be right.
 
 
 class Tally(NamedTuple):
@@ -18,6 +23,32 @@ class Tally(NamedTuple):
     episodes: int
     successes: int
     corrections: int
+
+
+class Filter(BaseModel):
+    """What an episode must be like; None: it doesn't matter.
+
+    success: it succeeded; False: it did not, whether time ran out or it was broken off.
+    corrected: somebody said what would be right, while it ran or afterwards.
+    doubt: the robot called for help.
+    """
+
+    robot: str | None = None
+    task: str | None = None
+    version: str | None = None
+    success: bool | None = None
+    corrected: bool | None = None
+    doubt: bool | None = None
+
+
+class Found(NamedTuple):
+    """An episode, how often its robot called for help, and how many things were said about it
+    that are labels."""
+
+    sequence: int
+    episode: Episode
+    calls: int
+    taught: int
 
 
 class Episodes:
@@ -31,6 +62,7 @@ class Episodes:
         row = {
             "id": episode.id,
             "robot": episode.robot,
+            "task": episode.task,
             "version": str(episode.version),
             "outcome": episode.outcome,
             "corrections": episode.corrections,
@@ -42,17 +74,33 @@ class Episodes:
 
         self._writer.submit(work)
 
-    def page(self, robot: str | None, limit: int, before: int | None) -> list[tuple[int, Episode]]:
-        """Up to `limit` episodes with their sequence numbers, the newest first."""
-        query = select(episodes.c.sequence, episodes.c.message)
-        query = query.order_by(episodes.c.sequence.desc()).limit(limit)
-        if robot is not None:
-            query = query.where(episodes.c.robot == robot)
+    def call(self, episode: str, help: Help) -> None:
+        """Keep that a robot called for help; a call that is there already is left alone."""
+        row = {"decision": help.decision, "episode": episode, "message": help.model_dump_json()}
+
+        def work(connection: Connection) -> None:
+            connection.execute(insert(calls).values(row).on_conflict_do_nothing())
+
+        self._writer.submit(work)
+
+    def calls(self, episode: str) -> list[Help]:
+        """The calls for help in an episode, in order."""
+        query = select(calls.c.message).where(calls.c.episode == episode)
+        with self._readers.connect() as connection:
+            found = [Help.model_validate_json(text) for text in connection.scalars(query)]
+        return sorted(found, key=lambda help: help.step)
+
+    def page(self, wanted: Filter, limit: int, before: int | None) -> list[Found]:
+        """Up to `limit` episodes that are like `wanted`, the newest first."""
+        query = _found().order_by(episodes.c.sequence.desc()).limit(limit)
+        query = query.where(*_conditions(wanted))
         if before is not None:
             query = query.where(episodes.c.sequence < before)
-        with self._readers.connect() as connection:
-            rows = connection.execute(query).all()
-        return [(row.sequence, Episode.model_validate_json(row.message)) for row in rows]
+        return self._read(query)
+
+    def get(self, name: str) -> Found | None:
+        """The episode with this id, and what is counted of it."""
+        return next(iter(self._read(_found().where(episodes.c.id == name))), None)
 
     def find(self, name: str) -> Episode | None:
         """The episode with this id, if it was told of, so that it is over."""
@@ -66,6 +114,11 @@ class Episodes:
         query = select(episodes.c.sequence).where(episodes.c.id == name)
         with self._readers.connect() as connection:
             return connection.execute(query).first() is not None
+
+    def tasks(self) -> list[str]:
+        """The tasks that there are episodes of, by name."""
+        with self._readers.connect() as connection:
+            return sorted(connection.scalars(select(episodes.c.task).distinct()))
 
     def tally(self) -> list[Tally]:
         """Success per version, the oldest version first."""
@@ -83,3 +136,67 @@ class Episodes:
         with self._readers.connect() as connection:
             rows = connection.execute(query).all()
         return sorted(Tally(Version.parse(row[0]), row[1], row[2], row[3]) for row in rows)
+
+    def attention(self) -> dict[str, float]:
+        """Human seconds by version: what all corrections of its counted episodes took to say."""
+        begun = func.json_extract(corrections.c.message, "$.begun_ns")
+        query = (
+            select(episodes.c.version, begun, corrections.c.created_ns)
+            .join(episodes, episodes.c.id == corrections.c.episode)
+            .where(episodes.c.outcome != Outcome.ABORTED)
+        )
+        spent: dict[str, float] = {}
+        with self._readers.connect() as connection:
+            for version, begun_ns, created_ns in connection.execute(query):
+                spent[version] = spent.get(version, 0.0) + speaking_s(begun_ns, created_ns)
+        return spent
+
+    def _read(self, query: Select[Any]) -> list[Found]:
+        with self._readers.connect() as connection:
+            rows = connection.execute(query).all()
+        return [
+            Found(row.sequence, Episode.model_validate_json(row.message), row.calls, row.taught)
+            for row in rows
+        ]
+
+
+_CALLS = (
+    select(func.count())
+    .where(calls.c.episode == episodes.c.id)
+    .correlate(episodes)
+    .scalar_subquery()
+)
+_SAID = (
+    select(func.count())
+    .where(
+        and_(
+            corrections.c.episode == episodes.c.id,
+            corrections.c.kind.in_(_TAUGHT),
+            corrections.c.status.not_in(("refused", "expired")),
+        )
+    )
+    .correlate(episodes)
+    .scalar_subquery()
+)
+
+
+def _found() -> Select[Any]:
+    columns = (episodes.c.sequence, episodes.c.message)
+    return select(*columns, _CALLS.label("calls"), _SAID.label("taught"))
+
+
+def _conditions(wanted: Filter) -> list[Any]:
+    met: list[Any] = [
+        episodes.c[name] == value
+        for name in ("robot", "task", "version")
+        if (value := getattr(wanted, name)) is not None
+    ]
+    tests = {
+        "success": episodes.c.outcome == Outcome.SUCCESS,
+        "corrected": or_(episodes.c.corrections > 0, _SAID > 0),
+        "doubt": _CALLS > 0,
+    }
+    for name, test in tests.items():
+        if (asked := getattr(wanted, name)) is not None:
+            met.append(test if asked else ~test)
+    return met

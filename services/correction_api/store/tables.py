@@ -45,5 +45,33 @@ episodes = Table(
     Column("outcome", String(16), nullable=False),
     Column("corrections", Integer, nullable=False),
     Column("message", Text, nullable=False),
+    Column("task", String(64), nullable=False, index=True, server_default=""),
     sqlite_autoincrement=True,
+)
+
+# Calls for help, each once, by the decision at which it began; message: the `Help`.
+calls = Table(
+    "calls",
+    metadata,
+    Column("decision", String(64), primary_key=True),
+    Column("episode", String(64), nullable=False, index=True),
+    Column("message", Text, nullable=False),
+)
+
+# What people decided about versions; what became of it is the learner's to say.
+rulings = Table(
+    "rulings",
+    metadata,
+    Column("sequence", Integer, primary_key=True, autoincrement=True),
+    Column("id", String(64), nullable=False, unique=True),
+    Column("message", Text, nullable=False),
+    sqlite_autoincrement=True,
+)
+
+# What the learner told. version: the first that learned it; null: it is held out, to judge by.
+learned = Table(
+    "learned",
+    metadata,
+    Column("correction", String(64), primary_key=True),
+    Column("version", String(24)),
 )

@@ -57,8 +57,8 @@ SMALL = BaselineSettings(
 )
 FULL = BaselineSettings(
     data=DataSettings(episodes=600, parts=30, prompts=6000),
-    fit=FitSettings(steps=4000, batch=32),
-    slice=2000,
+    fit=FitSettings(steps=2500, batch=32),
+    slice=1250,
     seeds=3,
     lengths=(4, 8, 12),
 )

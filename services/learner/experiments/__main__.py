@@ -3,39 +3,27 @@
 import os
 import shlex
 import sys
-from collections.abc import Callable
+from contextlib import closing
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, Optional
 
 import typer
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from services.learner.experiments import report
 from services.learner.experiments.bench import Bench
 from services.learner.experiments.registry import EXPERIMENTS, experiment_named
-from shared.config import exit_misconfigured
+from shared.config import exit_misconfigured, make_folder
 from shared.errors import ConfigError, HldError, nearest
 from shared.evaluation.plan import ORACLE, Plan, find_high_level, parse_seeds
 from shared.evaluation.pool import Pool
 from shared.policies.checkpoint import load_card
+from shared.progress import Bars
 from shared.service import interrupt_at_sigterm, run_command
 
 INTERRUPTED = 130
 SCALES = ("small", "full")
-
-
-class Bars:
-    """A bar for each thing that is measured."""
-
-    def __init__(self, progress: Progress) -> None:
-        self._progress = progress
-
-    def __call__(self, name: str, total: int) -> Callable[[], None]:
-        """See `bench.Reporter`."""
-        task = self._progress.add_task(name, total=total)
-        return lambda: self._progress.advance(task)
 
 
 def main(
@@ -51,7 +39,7 @@ def main(
     high_level: Annotated[
         str,
         typer.Option(
-            help="base (the usual), a version, a folder; for horizon, transitions, dagger"
+            help="base (the usual), a version, a folder; for horizon, dagger and the like"
         ),
     ] = "",
     low_level: Annotated[
@@ -78,6 +66,8 @@ def main(
         if scale not in SCALES:
             raise ConfigError(f"no scale {scale!r}{nearest(scale, SCALES)}")
         some = experiment.small if scale == "small" else experiment.full
+        if n and seeds:
+            raise ConfigError(f"--n {n} is short for --seeds 0:{n}: say one of the two")
         wanted = parse_seeds(seeds or f"0:{n or some}")
         experiment.accept(high_level, low_level)
         high_level = high_level or "base"
@@ -85,6 +75,9 @@ def main(
         site = site or experiment.site
         plan = Plan(high_level=learned, low_level=low_level, site=site, seeds=wanted)
         plan.check()
+        make_folder(out)
+        if report_:
+            make_folder(report_.parent)
     except HldError as error:
         exit_misconfigured("experiment", error)
     about = {
@@ -106,14 +99,8 @@ def main(
     os.environ["OMP_NUM_THREADS"] = "1"  # The processes share the cores.
     interrupt_at_sigterm()
     console = Console()
-    out.mkdir(parents=True, exist_ok=True)
-    columns = TextColumn("{task.description:28}"), BarColumn(), MofNCompleteColumn()
     try:
-        with (
-            Progress(*columns, TimeRemainingColumn(), console=console) as progress,
-            Pool(processes) as pool,
-        ):
-            bars = Bars(progress)
+        with closing(Bars(console)) as bars, Pool(processes) as pool:
             small = scale == "small"
             bench = Bench(out, pool, bars, wanted, small, site, learned, low_level, baselines)
             findings = experiment.run(bench)
@@ -125,7 +112,6 @@ def main(
         raise typer.Exit(1) from None
     report.write(out, findings, about)
     if report_:
-        report_.parent.mkdir(parents=True, exist_ok=True)
         report_.write_text((out / "report.json").read_text())
     console.print(f"report: {out / 'report.md'}", markup=False)
 

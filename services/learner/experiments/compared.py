@@ -94,6 +94,10 @@ def _notes(settings: BaselineSettings, outcomes: dict[int, dict[str, Outcomes]])
         "count once for each, as if it were another. The largest is shown, all are in the JSON. "
         "None is corrected for there being several.",
         "Every arm's policies come from these demonstrations alone, none of the project's own.",
+        "Progress is how much of what the prompt asks for was in place at the end, a mean.",
+        "An arm that says commands is helped by what the rollout knows of them: what the low level "
+        "can't carry out at that moment is not taken (`LowLevel.can`, with the project's reader). "
+        "Arms without words have no such filter.",
         "Flat and latent goals learn from actions alone, without the labels that the other two "
         "have: that is what they are without words. Flat sees no earlier looks either.",
     ]
@@ -157,6 +161,7 @@ def _figures(by_arm: dict[str, list[list[Row]]]) -> dict[str, Any]:
         found[arm] = {
             **rate([row.success for row in every]),
             "by_seed": [rate([row.success for row in rows]) for rows in by_seed],
+            "progress": summary["progress"],
             "steps": summary["steps"],
             "failures": summary["failures"],
             "tasks": {
@@ -207,13 +212,17 @@ def _by_length(figures: dict[str, Any]) -> Table:
             cell(found),
             str(found["n"]),
             ", ".join(f"{one['success']:.2f}" for one in found["by_seed"]),
+            f"{found['progress']:.2f}",
             f"{found['steps']:.0f}",
             ", ".join(f"{name} {count}" for name, count in found["failures"].items()),
         )
         for length, by_arm in figures["lengths"].items()
         for arm, found in by_arm.items()
     ]
-    columns = ("skills", "arm", "success (95 %)", "n", "by training seed", "steps", "failed first")
+    columns = (
+        "skills", "arm", "success (95 %)", "n", "by training seed", "progress", "steps",
+        "failed first",
+    )  # fmt: skip
     return Table(title="Success by length", columns=columns, rows=tuple(rows))
 
 

@@ -21,7 +21,7 @@ def run(bench: Bench) -> Findings:
     """Phrases that were never trained on, commands against the obvious, what can't be done."""
     everyday = _Everyday(bench)
     reworded = bench.phrases("reworded", _reworded(bench))
-    contrary = bench.phrases("contrary", _contrary(bench))
+    contrary = bench.phrases("contrary", against_the_obvious(bench))
     outlandish = bench.phrases("outlandish", _impossible(bench, unheard_refusals()))
     kinds = [kind for _, _, kind in _sentences(bench)]
     by_new = {
@@ -144,7 +144,8 @@ def _reworded(bench: Bench) -> list[Trial]:
     ]
 
 
-def _contrary(bench: Bench) -> list[Trial]:
+def against_the_obvious(bench: Bench) -> list[Trial]:
+    """In the midst of tasks, a command that contradicts the obvious next step; one a scene."""
     tasks, trials = bench.tasks(), []
     for number in range(bench.n):
         seed, task = bench.seed(number), tasks[number % len(tasks)]

@@ -8,6 +8,8 @@ from services.learner.experiments.findings import Curve, Panel, Plot
 
 COLOURS = ("#1f5fa8", "#c0562b", "#2e8b57", "#7a4fa3", "#8a7a2a", "#555555")
 WIDTH_IN, HEIGHT_IN, NAME_IN = 4.6, 3.6, 0.36
+APART = 0.008
+"""From one curve to the next, as a share of the axis."""
 CROWD = 5
 """More names than this don't fit beside one another."""
 
@@ -37,13 +39,15 @@ def draw(folder: Path, plot: Plot) -> str:
 def _panel(axes: Any, panel: Panel, plot: Plot) -> None:
     names = _places(panel)
     named = any(isinstance(name, str) for name in names)
+    # Intervals at one place would lie upon each other.
+    apart = 0.15 if named else APART * _span(names)
     colours: dict[str, str] = {}
     fresh = cycle(COLOURS)
     for place, curve in enumerate(panel.curves):
         # What is computed has the colour of what it was computed from, which comes before it.
         colour = colours[curve.label] = next(fresh) if not curve.dashed else _last(colours)
-        shift = 0.15 * (place - (len(panel.curves) - 1) / 2)
-        x = [names.index(at) + shift if named else float(at) for at in curve.x]
+        shift = apart * (place - (len(panel.curves) - 1) / 2)
+        x = [names.index(at) + shift if named else float(at) + shift for at in curve.x]
         _curve(axes, curve, x, colour, named)
     slanted = named and len(names) > CROWD
     if named:
@@ -63,6 +67,10 @@ def _panel(axes: Any, panel: Panel, plot: Plot) -> None:
 def _places(panel: Panel) -> list[Any]:
     """All that there is along x, in order, once."""
     return list(dict.fromkeys(x for curve in panel.curves for x in curve.x))
+
+
+def _span(names: list[Any]) -> float:
+    return float(max(names) - min(names)) if names else 0.0
 
 
 def _last(colours: dict[str, str]) -> str:

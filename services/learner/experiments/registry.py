@@ -8,6 +8,7 @@ from services.learner.experiments import (
     dagger,
     horizon,
     language,
+    replanning,
     skills,
     transitions,
 )
@@ -47,6 +48,7 @@ EXPERIMENTS = {
     "horizon": Experiment(horizon.run, small=1, full=60, learned=True),
     "baselines": Experiment(baselines.run, small=6, full=40, low_level=False),
     "dagger": Experiment(dagger.run, small=60, full=200, learned=True, site="far"),
+    "replanning": Experiment(replanning.run, small=1, full=60, learned=True),
     "transitions": Experiment(transitions.run, small=1, full=120, learned=True),
 }
 

@@ -21,9 +21,10 @@ from shared.rollout.settings import Replan
 
 PACES = {
     "fast": {"latency_steps": 0, "decision_steps": 20},
-    "slow": {"latency_steps": 50, "decision_steps": 50},
+    "slow": {"latency_steps": 50, "decision_steps": 100},
 }
-"""A fast π_HL answers at once and is asked every 0.4 s; a slow one takes 1 s, asked every 1 s."""
+"""A fast π_HL answers at once and is asked every 0.4 s; a slow one takes 1 s, asked every 2 s,
+so that a hand that is done can ask sooner."""
 REFERENCE = Replan.INTERVAL
 
 
@@ -53,7 +54,7 @@ def run(bench: Bench) -> Findings:
             "The high level is asked by interval, when the low level's classifier says that the "
             "command is achieved, or by both with a stuck timer. A fast one answers at once and is "
             "asked every 20 steps (0.4 s); a slow one answers after 50 steps (1 s) and is asked "
-            "every 50.",
+            "every 100 (2 s).",
             "The same scenes each time; differences from asking by interval are paired.",
         ),
         figures=figures,
@@ -75,8 +76,7 @@ def run(bench: Bench) -> Findings:
         notes=(
             "One training seed: this compares ways to run one pair of policies, and says nothing "
             "of others.",
-            "p is McNemar's, exact, two-sided; intervals of differences are by bootstrap over "
-            "pairs.",
+            "p is McNemar's, exact, two-sided; intervals of differences are Newcombe's, for pairs.",
         ),
     )
 

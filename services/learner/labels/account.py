@@ -34,6 +34,7 @@ class Account(NamedTuple):
 
     heads: its decisions by step. heard: what the robot obeyed, in the order in which it heard it.
     windows: relabels, and overrides that were moved, in the order in which they were said.
+    endorsed: what was endorsed, in the same order.
     """
 
     episode: Episode
@@ -41,6 +42,7 @@ class Account(NamedTuple):
     heard: tuple[Word, ...]
     windows: tuple[Standing, ...]
     faults: tuple[Fault, ...]
+    endorsed: tuple[Standing, ...] = ()
 
 
 def accounts(history: History) -> list[Account]:
@@ -56,19 +58,23 @@ def accounts(history: History) -> list[Account]:
     for episode in sorted(history.episodes, key=lambda episode: episode.id):
         heads = sorted(decided[episode.id], key=lambda head: (head.step, head.id))
         heard = words(said[episode.id], receipts)
-        stands = [one for one in said[episode.id] if not one.retracted]
+        stands = sorted((one for one in said[episode.id] if not one.retracted), key=_order)
         obeyed = {word.correction.id for word in heard}
-        windows = [one for one in stands if _is_window(one, obeyed)]
-        windows.sort(key=lambda window: window.order)
+        windows = tuple(one for one in stands if _is_window(one, obeyed))
         faulty = (one for one in stands if one.correction.kind is Kind.FAULT)
         blamed = tuple(_fault(one, heads, episode.steps) for one in faulty)
-        found.append(Account(episode, tuple(heads), tuple(heard), tuple(windows), blamed))
+        endorsed = tuple(one for one in stands if one.correction.kind is Kind.ENDORSE)
+        found.append(Account(episode, tuple(heads), tuple(heard), windows, blamed, endorsed))
     return found
 
 
 def faults(history: History) -> tuple[Fault, ...]:
     """All that was laid on the hand, in the order of episode and correction."""
     return tuple(fault for account in accounts(history) for fault in account.faults)
+
+
+def _order(one: Standing) -> tuple[int, str]:
+    return one.order
 
 
 def _is_window(one: Standing, obeyed: set[str]) -> bool:

@@ -27,6 +27,7 @@ from services.learner.labels.spell import Spelling, spelling
 from services.learner.store.store import DecisionHead, History
 from shared.config import Settings
 from shared.messages.correction import Correction, Kind
+from shared.messages.policy import is_version
 
 
 class LabelSettings(Settings):
@@ -42,7 +43,7 @@ class LabelSettings(Settings):
         person began to speak.
     anticipate_steps: a decision is labelled with what was in force, or should have been, so many
         steps later, since a π_HL that takes so long to answer must say it so much sooner.
-    approval_weight: of a decision that was approved; an override has weight 1.
+    approval_weight: of a decision that was approved or endorsed; an override has weight 1.
     disputed: of decisions of which two people say different things. mask: no label until one of
         the words is taken back or edited, or both are ruled to mean the same; later: as if one
         person had said both.
@@ -64,7 +65,7 @@ class Ground(StrEnum):
         was said afterwards to have been the right one then.
     before: an override was on its way; see `LabelSettings.before`.
     approved: a person said it was right. released: a person let the high level have its way.
-    relabelled: a person said afterwards what would have been right.
+    relabelled: a person said afterwards what would have been right. endorsed: or that all was.
     """
 
     OBJECTED = "objected"
@@ -73,6 +74,7 @@ class Ground(StrEnum):
     APPROVED = "approved"
     RELEASED = "released"
     RELABELLED = "relabelled"
+    ENDORSED = "endorsed"
 
 
 class Label(NamedTuple):
@@ -203,7 +205,7 @@ class _Judge:
         """What was said of this very decision, or else while an override held or was coming."""
         held, word = self._held(self._step(head)), self._verdicts.get(head.id)
         if word is None:
-            return held
+            return held or self._endorsed(head)
         kind, weight = word.correction.kind, self._settings.approval_weight
         if kind is Kind.OVERRIDE:
             return _Said(word.correction, 1.0, Ground.OBJECTED)
@@ -212,6 +214,22 @@ class _Judge:
         if held is None or held.ground is Ground.BEFORE:
             return _Said(word.correction, weight, Ground.APPROVED)
         return held
+
+    def _endorsed(self, head: DecisionHead) -> _Said | None:
+        """That the high level was right where nobody spoke.
+
+        Not where an override was on its way, since the person had already seen something wrong; not
+        where somebody's word held, which is judged by itself or was taken back.
+        """
+        step = self._step(head)
+        if self._course.coming(step) and self._settings.before != "keep":
+            return None
+        if not is_version(head.chosen_by):
+            return None
+        covers = (one for one in self._account.endorsed if one.span and step in one.span)
+        last = max(covers, key=lambda one: one.order, default=None)
+        weight = self._settings.approval_weight
+        return None if last is None else _Said(last.correction, weight, Ground.ENDORSED)
 
     def _held(self, step: int) -> _Said | None:
         """The override that was in force, or by setting the one on its way."""

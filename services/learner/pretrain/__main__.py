@@ -2,35 +2,23 @@
 
 import multiprocessing
 import os
-from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import closing
 from pathlib import Path
 from typing import Annotated
 
 import torch
 import typer
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from services.learner.pretrain.figures import examine
 from services.learner.pretrain.scale import SCALES
 from services.learner.pretrain.stages import Pretraining
 from shared.errors import HldError, nearest
 from shared.evaluation.pool import begin_worker
+from shared.progress import Bars
 
 app = typer.Typer(add_completion=False)
-
-
-class Bars:
-    """A bar for each stage."""
-
-    def __init__(self, progress: Progress) -> None:
-        self._progress = progress
-
-    def stage(self, name: str, total: int) -> Callable[[int], None]:
-        """See `stages.Reporter`."""
-        task = self._progress.add_task(name, total=total)
-        return lambda done: self._progress.update(task, completed=done)
 
 
 @app.command()
@@ -64,14 +52,13 @@ def main(
 
 
 def _pretrain(out: Path, scale: str, seed: int, workers: int, console: Console) -> None:
-    columns = TextColumn("{task.description:24}"), BarColumn(), MofNCompleteColumn()
     spawn = multiprocessing.get_context("spawn")
     with (
-        Progress(*columns, TimeRemainingColumn(), console=console) as progress,
+        closing(Bars(console)) as bars,
         ProcessPoolExecutor(workers, mp_context=spawn, initializer=begin_worker) as pool,
     ):
         try:
-            run = Pretraining(out, SCALES[scale], seed, pool, Bars(progress))
+            run = Pretraining(out, SCALES[scale], seed, pool, bars)
             low_level = run.low_level()
             lessons = run.demonstrations(low_level)
             high_level = run.high_level(lessons, low_level)

@@ -118,6 +118,21 @@ def _demonstrated(scale: Scale) -> tuple[str, ...]:
     )
 
 
+def retaught(card: Card, phrases: int, figures: Sequence[Figure]) -> Card:
+    """The card of a low level whose reader alone was taught anew. phrases: 0: it was not, and only
+    examined. figures: of its reading; those of paraphrases in the cell were another reader's."""
+    kept = [one for one in card.figures if one.name.startswith(("skill", "oracle"))]
+    kept = [one for one in kept if "unheard" not in one.name]
+    lesson = (
+        f"Later its reader was taught a larger lexicon, and its motions left as they were: its "
+        f"tagger went on learning from {phrases:,} phrases drawn from it, and what tells acts, "
+        "things and places was fitted anew (`python -m services.learner.pretrain.reteach`)."
+    )
+    before = tuple(step for step in card.recipe if not step.startswith("Later its reader"))
+    recipe = (*before, lesson) if phrases else card.recipe
+    return card.model_copy(update={"date": today(), "recipe": recipe, "figures": (*kept, *figures)})
+
+
 def examined(card: Card, figures: Sequence[Figure]) -> Card:
     """The card with what was measured."""
     return card.model_copy(update={"figures": tuple(figures)})

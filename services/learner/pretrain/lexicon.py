@@ -28,7 +28,7 @@ class Lexicon(NamedTuple):
     place. places: by fixture, "down" for the table, "other" for the rest of the world. others:
     "things", "acts" (`{}`: a thing) and "said", to be refused. courtesy: "before", "after",
     "beside", "contrast" (`{x}`: not this, `{n}`: this), "places" (the same of where to), "two"
-    things at once.
+    things at once, "about" (`{}`: a thing that is remarked on before it is asked for).
     """
 
     things: Table

@@ -12,16 +12,18 @@ from numpy.typing import NDArray
 from torch import Tensor
 from torch.nn import functional as F
 
+from services.learner.pretrain.frames import frame_of
 from services.learner.pretrain.lexicon import Lexicon
 from services.learner.pretrain.tagger_fit import TaggerFitSettings, fit_tagger
-from services.learner.pretrain.words import NAMED, Said, Speaker, frame_of, nouns
+from services.learner.pretrain.words import NAMED, Said, Speaker, nouns
 from shared.config import Settings
 from shared.goals.family import Floats
 from shared.goals.language.encoder import Encoder, shared_encoder
 from shared.policies.likeness import FEATURES, Likeness
 from shared.policies.low_net import VERBS
+from shared.policies.meant import ACTS, PLACES
 from shared.policies.phrase import take_apart, words_of
-from shared.policies.reader import ACTS, PLACES, Reader
+from shared.policies.reader import Reader
 from shared.policies.tagger import Tagger
 from shared.policies.teller import Linear, Teller, features
 from shared.workcell.objects import BODY_NAMES, KITCHEN, OBJECT_NAMES, TABLE
@@ -55,14 +57,20 @@ class _Named:
 
 
 def fit_reader(
-    lexicon: Lexicon, settings: ReaderFitSettings, encoder: Encoder | None = None
+    lexicon: Lexicon,
+    settings: ReaderFitSettings,
+    encoder: Encoder | None = None,
+    start: Tagger | None = None,
 ) -> Reader:
-    """A reader that was taught a lexicon and the canonical commands."""
+    """A reader that was taught a lexicon and the canonical commands.
+
+    start: its tagger goes on with what this one knows.
+    """
     encoder = encoder or shared_encoder()
     rng = np.random.default_rng(settings.seed)
     speaker = Speaker(lexicon, lexicon, lexicon, rng, CANONICAL)
     said = drawn(speaker, settings.phrases, rng)
-    parts, guessed = _fit_parts(said, settings, encoder)
+    parts, guessed = _fit_parts(said, settings, encoder, start)
     needs = [skill.object or skill.verb for skill in SKILLS]
     reader = Reader(
         COMMANDS,
@@ -110,18 +118,21 @@ def drawn(speaker: Speaker, count: int, rng: np.random.Generator) -> list[Said]:
 
 
 def _fit_parts(
-    said: Sequence[Said], settings: ReaderFitSettings, encoder: Encoder
+    said: Sequence[Said],
+    settings: ReaderFitSettings,
+    encoder: Encoder,
+    start: Tagger | None,
 ) -> tuple[Tagger, dict[Said, tuple[int, ...]]]:
     """Tells the part of each word; and how half of the phrases look to one that never saw them."""
     states = encoder.study([one.text for one in said])[1]
     parts = [one.parts for one in said]
     half = len(said) // 2
-    green = fit_tagger(states[:half], parts[:half], settings.tagger, settings.seed)
+    green = fit_tagger(states[:half], parts[:half], settings.tagger, settings.seed, start)
     guessed = {
         one: tuple(green.parts(state))
         for one, state in zip(said[half:], states[half:], strict=True)
     }
-    return fit_tagger(states, parts, settings.tagger, settings.seed), guessed
+    return fit_tagger(states, parts, settings.tagger, settings.seed, start), guessed
 
 
 def _fit_acts(

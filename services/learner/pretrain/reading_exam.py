@@ -27,8 +27,9 @@ from services.learner.pretrain.reading_figures import (
 from services.learner.pretrain.words import Said, Speaker
 from shared.goals.family import Floats
 from shared.goals.language.encoder import Encoder, shared_encoder
+from shared.policies.meant import PLACES
 from shared.policies.phrase import words_of
-from shared.policies.reader import PLACES, Reader
+from shared.policies.reader import Reader
 from shared.workcell.objects import BODY_NAMES, KITCHEN, OBJECT_NAMES, TABLE, Stock
 from shared.workcell.skills import (
     COMMANDS,
@@ -49,13 +50,17 @@ class Studied:
     def study(self, sentences: Iterable[str]) -> None:
         """Read them."""
         texts = list(dict.fromkeys(sentences))
+        if not texts:
+            return
         vectors, states = self._encoder.study(texts)
         self._vectors |= dict(zip(texts, vectors, strict=True))
         self._states |= dict(zip(texts, states, strict=True))
 
     def embed(self, sentences: Iterable[str]) -> Floats:
         """See `Encoder.embed`."""
-        return np.stack([self._vectors[text] for text in sentences])
+        texts = list(sentences)
+        self.study([text for text in texts if text not in self._vectors])
+        return np.stack([self._vectors[text] for text in texts])
 
     def is_word(self, text: str) -> bool:
         """See `Encoder.is_word`."""
@@ -63,6 +68,8 @@ class Studied:
 
     def states(self, sentence: str) -> Floats:
         """See `Encoder.states`."""
+        if sentence not in self._states:
+            self.study([sentence])
         return self._states[sentence]
 
 

@@ -92,14 +92,17 @@ class Pretraining:
             tell = self.reporter.stage(f"low level {number}", round_.updates)
             net = build(checkpoint.load(before)[0]) if before else self._fresh_low()
             net = fit_low(net, practice.join(parts), settings, _told(tell))
-            low_level = LowLevel(net, self._reader())
+            low_level = LowLevel(net, self._reader(before))
             tell(round_.updates)
             data = (self.out / f"practice-{row}.safetensors" for row in range(number + 1))
             card = cards.low_level(self.scale, self.seed, _sha256(data))
             _write(folder, lambda path: checkpoint.save(path, low_level.tensors(), card))
         return folder
 
-    def _reader(self) -> Reader:
+    def _reader(self, before: Path | None) -> Reader:
+        """Practice teaches a reader nothing: that of the round before is the one."""
+        if before:
+            return LowLevel.load(before).reader
         settings = ReaderFitSettings(phrases=self.scale.phrases, seed=self.seed)
         return fit_reader(exam()[0], settings)
 

@@ -1,5 +1,6 @@
 """Teaches the reader's tagger which part each word of drawn phrases plays."""
 
+import copy
 from collections.abc import Sequence
 
 import numpy as np
@@ -30,12 +31,17 @@ def fit_tagger(
     parts: Sequence[tuple[int, ...]],
     settings: TaggerFitSettings,
     seed: int,
+    start: Tagger | None = None,
 ) -> Tagger:
-    """A tagger of phrases whose words have these states [w, S] and parts [w]."""
+    """A tagger of phrases whose words have these states [w, S] and parts [w].
+
+    start: goes on with what this one knows, which stays as it is.
+    """
     torch.manual_seed(seed)
     rng = np.random.default_rng(seed)
     every = np.concatenate(states)
-    tagger = Tagger(torch.from_numpy(every.mean(0)), torch.from_numpy(every.std(0) + 1e-6))
+    tagger = _fresh(every) if start is None else copy.deepcopy(start).train()
+    tagger.requires_grad_(True)
     x = [torch.from_numpy(one) for one in states]
     y = [torch.tensor(one) for one in parts]
     updates = settings.epochs * -(-len(x) // settings.batch)
@@ -55,3 +61,8 @@ def fit_tagger(
             optimizer.step()
             cycle.step()
     return tagger.eval().requires_grad_(False)
+
+
+def _fresh(states: Floats) -> Tagger:
+    """One that knows nothing. states: [N, S] of words."""
+    return Tagger(torch.from_numpy(states.mean(0)), torch.from_numpy(states.std(0) + 1e-6))

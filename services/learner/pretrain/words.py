@@ -9,14 +9,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from services.learner.pretrain.frames import Piece, cut, fill
 from services.learner.pretrain.lexicon import Lexicon, Table
-from shared.policies.phrase import ACT, CONTRAST, FILLER, PLACE, THING, take_apart, words_of
+from shared.policies.phrase import ACT, CONTRAST, FILLER, PLACE, THING, words_of
 from shared.workcell.objects import index
 from shared.workcell.skills import PUT_DOWN, PUT_IN_BIN, PUT_IN_TUB, PUT_ON_PLATE, WAIT, pick
 
-Piece = tuple[str, int]
 _PUT = {"plate": PUT_ON_PLATE, "bin": PUT_IN_BIN, "tub": PUT_IN_TUB, "down": PUT_DOWN}
-NAMED = {"put": "named_put", "down": "named_down"}
+NAMED = {act: f"named_{act}" for act in ("put", *_PUT)}
 """By act the list of what is said for it when what is held is named."""
 DETERMINERS = ("the", "the", "the", "that", "this", "a", "my", "")
 PREPOSITIONS = ("in", "into", "on", "onto", "to")
@@ -29,6 +29,10 @@ DIRECT = {"plate": 0.3, "bin": 0.3, "tub": 0.3, "down": 0.7}
 """How often a put is said without a place."""
 BARE = 0.15
 """How often a thing is just named, half of the time without "the"; and how often a place is."""
+FIRST = 0.2
+"""How often the thing is named before what is to be done with it, and how often the place is."""
+REMARKED = 0.4
+"""How often it is then named in a remark: "you dropped {}, grab it"."""
 AWAY = 0.3
 """How often what is held shall be taken from a place."""
 FIXTURES = 0.15
@@ -43,7 +47,7 @@ class Said(NamedTuple):
     """A phrase.
 
     parts: of each of its words the part it plays, as `shared.policies.phrase` numbers them.
-    act: what its frame asks for, one of `reader.ACTS`; "put" where the place tells the rest.
+    act: what its frame asks for, one of `meant.ACTS`; "put" where the place tells the rest.
     meant: the command, "" for none that any robot here knows.
     """
 
@@ -82,7 +86,7 @@ class Speaker:
         """A request for one thing and not for another."""
         frame = self._any(self._courtesy.courtesy, "contrast")
         pieces: list[Piece] = []
-        for part, text in _cut(frame, ("{x}", "{n}")):
+        for part, text in cut(frame, ("{x}", "{n}")):
             if part == "{x}":
                 pieces.append((self.named(other), CONTRAST))
             elif part == "{n}":
@@ -95,7 +99,7 @@ class Speaker:
         """A request to put what is held in one place and not in another."""
         frame = self._any(self._courtesy.courtesy, "places")
         places = {"{x}": (self._place(other), CONTRAST), "{n}": (self._place(verb), PLACE)}
-        pieces = [places.get(part, (text, FILLER)) for part, text in _cut(frame, ("{x}", "{n}"))]
+        pieces = [places.get(part, (text, FILLER)) for part, text in cut(frame, ("{x}", "{n}"))]
         return self._said(pieces, "put", _PUT[verb])
 
     def bare_put(self, verb: str) -> Said:
@@ -111,10 +115,10 @@ class Speaker:
         direct = NAMED.get(verb, "") if named else verb
         if self._acts.acts.get(direct) and not placed and self._rng.random() < DIRECT[verb]:
             frame = self._any(self._acts.acts, direct)
-            return self._said(_fill(frame, held, ""), verb, _PUT[verb])
+            return self._said(fill(frame, held, ""), verb, _PUT[verb])
         place = self._name(self._things.places, verb)
-        frame = self._any(self._acts.acts, NAMED["put"] if named else "put")
-        return self._said(_fill(frame, held, place), "put", _PUT[verb])
+        frame = self._turned(self._any(self._acts.acts, NAMED["put"] if named else "put"), "[]")
+        return self._said(fill(frame, held, place), "put", _PUT[verb])
 
     def wait(self) -> Said:
         """A request to wait."""
@@ -128,7 +132,7 @@ class Speaker:
         """A request to put somewhere what no robot here can hold."""
         place = self._name(self._things.places, str(self._rng.choice(list(_PUT))))
         frame = self._any(self._acts.acts, NAMED["put"])
-        return self._said(_fill(frame, self._unknown(), place), "put", "")
+        return self._said(fill(frame, self._unknown(), place), "put", "")
 
     def _unknown(self) -> str:
         if self._rng.random() < FIXTURES:
@@ -140,13 +144,13 @@ class Speaker:
     def unknown_act(self, thing: str) -> Said:
         """A request to do with a thing what no robot here can do."""
         frame = self._any(self._acts.others, "acts")
-        return self._said(_fill(frame, self.named(thing), ""), "refuse", "")
+        return self._said(fill(frame, self.named(thing), ""), "refuse", "")
 
     def unknown_place(self, named: str = "") -> Said:
         """A request to put what is held somewhere else."""
         place = self._any(self._things.places, "other")
         frame = self._any(self._acts.acts, NAMED["put"] if named else "put")
-        return self._said(_fill(frame, self.named(named) if named else "", place), "put", "")
+        return self._said(fill(frame, self.named(named) if named else "", place), "put", "")
 
     def beside_place(self, named: str = "") -> Said:
         """A request to put what is held next to or under plate, bin or tub, or to take it away."""
@@ -154,7 +158,7 @@ class Speaker:
         away = not named and self._rng.random() < AWAY
         place = self._any(self._things.others, "removals" if away else "relations").format(noun)
         frame = self._any(self._acts.acts, NAMED["put"] if named else "put")
-        return self._said(_fill(frame, self.named(named) if named else "", place), "put", "")
+        return self._said(fill(frame, self.named(named) if named else "", place), "put", "")
 
     def pointing(self) -> Said:
         """A request to pick up what isn't named."""
@@ -169,7 +173,7 @@ class Speaker:
         """A request for two things at once."""
         texts = [self.named(thing), self.named(other)]
         pieces = []
-        for part, text in _cut(self._any(self._courtesy.courtesy, "two"), ("{}",)):
+        for part, text in cut(self._any(self._courtesy.courtesy, "two"), ("{}",)):
             pieces.append((texts.pop(0), THING) if part else (text, ACT))
         return self._said(pieces, "refuse", "")
 
@@ -225,7 +229,19 @@ class Speaker:
         return f"{self._rng.choice(DETERMINERS)} {noun}".strip()
 
     def _framed(self, verb: str, noun: str) -> list[Piece]:
-        return _fill(self._any(self._acts.acts, verb), noun, "")
+        frame = self._turned(self._any(self._acts.acts, verb), "{}")
+        remarks = self._courtesy.courtesy.get("about", ())
+        if not remarks or not frame.startswith("{}, ") or self._rng.random() >= REMARKED:
+            return fill(frame, noun, "")
+        remark = cut(self._any(self._courtesy.courtesy, "about"), ("{}",))
+        told = [(noun, THING) if slot else (text, FILLER) for slot, text in remark]
+        return [*told, (frame.removeprefix("{}"), ACT)]
+
+    def _turned(self, frame: str, slot: str) -> str:
+        """Now and then with the slot first: "grab {}" as "{}, grab it"."""
+        if frame.startswith(("{}", "[]")) or self._rng.random() >= FIRST:
+            return frame
+        return f"{slot}, {frame.replace(slot, 'it' if slot == '{}' else '').strip()}"
 
     def _bare_or_framed(self, noun: str, first: bool) -> list[Piece]:
         if not first and self._rng.random() < 0.5:
@@ -263,29 +279,3 @@ def _parted(piece: Piece) -> list[Piece]:
     """A thing and where it lies."""
     thing, _, where = piece[0].partition(WHERE)
     return [(thing, piece[1]), *([(where, FILLER)] if where else [])]
-
-
-def frame_of(frame: str) -> str:
-    """A frame of the lexicon as the reader sees it."""
-    pieces = _fill(frame, "x", "y")
-    words = [word for text, _ in pieces for word in words_of(text)]
-    return take_apart(words, [part for text, part in pieces for _ in words_of(text)]).frame
-
-
-def _fill(frame: str, noun: str, place: str) -> list[Piece]:
-    kinds = {"{}": (noun, THING), "[]": (place, PLACE)}
-    return [kinds.get(part, (text, ACT)) for part, text in _cut(frame, tuple(kinds))]
-
-
-def _cut(frame: str, slots: tuple[str, ...]) -> list[tuple[str, str]]:
-    """The frame in pieces: (slot, "") or ("", text)."""
-    pieces, rest = [], frame
-    while rest:
-        found = [(rest.index(slot), slot) for slot in slots if slot in rest]
-        at, slot = min(found, default=(len(rest), ""))
-        if rest[:at].strip():
-            pieces.append(("", rest[:at].strip()))
-        if slot:
-            pieces.append((slot, ""))
-        rest = rest[at + len(slot) :]
-    return pieces

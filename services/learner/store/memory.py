@@ -21,7 +21,7 @@ from services.learner.store.store import (
     Trial,
 )
 from shared.errors import RefusedError
-from shared.messages.correction import Correction, Kind
+from shared.messages.correction import HINDSIGHT, Correction, Kind
 from shared.messages.decision import Decision
 from shared.messages.episode import Episode, Outcome
 from shared.messages.receipt import Receipt
@@ -86,7 +86,9 @@ class MemoryStore:
                 for place, (episode, arrived_ns) in enumerate(self._kept[Episode].values())
                 if place >= after.marks.episodes or episode.id in after.excluded
             )
-            return Survey(self._marks(), tuple(arrivals))
+            said = [*self._all(Correction)][after.marks.corrections :]
+            hindsight = sum(correction.kind in HINDSIGHT for correction in said)
+            return Survey(self._marks(), tuple(arrivals), hindsight)
 
     def _arrival(self, episode: Episode, arrived_ns: int) -> Arrival:
         decisions = sum(kept.episode == episode.id for kept in self._all(Decision))

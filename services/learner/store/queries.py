@@ -36,7 +36,7 @@ from services.learner.store.tables import (
     VERSIONS,
 )
 from shared.errors import RefusedError
-from shared.messages.correction import Kind
+from shared.messages.correction import HINDSIGHT, Kind
 from shared.messages.episode import Outcome
 
 
@@ -106,6 +106,14 @@ def arrivals(connection: Connection, after: Manifest) -> tuple[Arrival, ...]:
         Arrival(id_, bool(aborted), at, max(0, decisions), max(0, corrections), overrides)
         for id_, aborted, at, decisions, corrections, overrides in rows
     )
+
+
+def hindsight(connection: Connection, since: Marks) -> int:
+    """How many commands were said of the past after `since`."""
+    question = select(func.count()).where(
+        CORRECTIONS.c.sequence > since.corrections, CORRECTIONS.c.kind.in_(map(str, HINDSIGHT))
+    )
+    return connection.scalar(question) or 0
 
 
 def episodes_of(manifest: Manifest) -> Callable[[ColumnElement[Any]], Select[Any]]:

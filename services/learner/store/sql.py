@@ -110,7 +110,11 @@ class SqlStore:
 
     def survey(self, after: Manifest) -> Survey:
         with self._engine.begin() as connection:
-            return Survey(queries.marks(connection), queries.arrivals(connection, after))
+            return Survey(
+                queries.marks(connection),
+                queries.arrivals(connection, after),
+                queries.hindsight(connection, after.marks),
+            )
 
     def history(self, manifest: Manifest) -> History:
         marks, known = manifest.marks, queries.episodes_of(manifest)

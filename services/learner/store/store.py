@@ -158,11 +158,10 @@ class History(NamedTuple):
 
 
 class Arrival(NamedTuple):
-    """An episode that no round has used yet, and how complete it is.
+    """An episode that no round has used yet, and how complete it is. arrived_ns: wall clock.
 
     aborted: broken off; its corrections are learned from, but it is not counted. decisions,
     corrections: how many of those it speaks of are missing. overrides: those obeyed, that are here.
-    arrived_ns: wall clock.
     """
 
     episode: str
@@ -174,10 +173,11 @@ class Arrival(NamedTuple):
 
 
 class Survey(NamedTuple):
-    """What no round has used yet, and how far the tables had grown at that moment."""
+    """What no round has used yet, and how far the tables had grown. hindsight: see `HINDSIGHT`."""
 
     marks: Marks
     arrivals: tuple[Arrival, ...]
+    hindsight: int
 
 
 class Tally(NamedTuple):

@@ -10,11 +10,13 @@ import simplejpeg
 from shared.messages.correction import AFTERWARDS, Correction, Kind
 from shared.messages.decision import Decision, Proposal
 from shared.messages.episode import Episode, Outcome
-from shared.messages.frame import Frame
+from shared.messages.frame import Channel, Frame, Rate
 from shared.messages.goal import LanguageGoal
 from shared.messages.heartbeat import LearnerHeartbeat, LearnerState, RobotHeartbeat, RobotState
 from shared.messages.help import Help, Reason
+from shared.messages.learned import LearnedAnswer, LearnedQuestion
 from shared.messages.observation import CAMERAS
+from shared.messages.phrase import Near, PhraseAnswer, PhraseQuestion
 from shared.messages.policy import PolicyAnnouncement, TensorRef, Version
 from shared.messages.receipt import Receipt
 from shared.wire.bus import Bus, Urgency
@@ -37,18 +39,25 @@ class FakeRobot:
 
     heard: every correction that arrived, also repeated ones. receipts: what was answered, by id.
     reason: why it refuses whatever it is told; empty: it obeys.
+    A phrase with "dance" would be refused, any other would be taken for the first command.
     """
 
     def __init__(self, bus: Bus, name: str = "robot-1", *, supervised: bool = False) -> None:
         self.bus, self.name, self.supervised = bus, name, supervised
-        self.episode, self.step, self.index = f"{name}-e1", 0, 0
+        self.episode: str | None = f"{name}-e1"  # None: between two.
+        self.step, self.index = 0, 0
         self.command, self.chosen_by = COMMANDS[0], "1.0"
+        self.version = Version(1, 0)
         self.state = RobotState.ACTING
         self.help: Help | None = None
         self.heard: list[Correction] = []
         self.receipts: dict[str, Receipt] = {}
         self.deaf, self.reason = False, ""
-        self._serving = bus.serve(robot_key(FLEET, name, "correction"), self._obey)
+        self.low_level_sha256 = "5d" * 32
+        self._serving = [
+            bus.serve(robot_key(FLEET, name, "correction"), self._obey),
+            bus.serve(robot_key(FLEET, name, "phrase"), self._read),
+        ]
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._live, daemon=True)
         self._thread.start()
@@ -56,7 +65,12 @@ class FakeRobot:
     def close(self) -> None:
         self._ended.set()
         self._thread.join()
-        self._serving.close()
+        for serving in self._serving:
+            serving.close()
+
+    def kinds(self) -> list[Kind]:
+        """Of what it heard."""
+        return [one.kind for one in self.heard]
 
     def decide(self, *, truth: dict[str, Any] | None = None) -> Decision:
         """Publish a decision that keeps the command in force."""
@@ -77,7 +91,7 @@ class FakeRobot:
             ),
             executed=LanguageGoal(text=self.command),
             chosen_by=self.chosen_by,
-            version=Version(1, 0),
+            version=self.version,
             awaits_verdict=self.supervised,
             help=self.help,
             truth=truth or {},
@@ -119,7 +133,7 @@ class FakeRobot:
             prompt="make a sandwich with cheese and tomato",
             site="far",
             seed=1_000_000_000 + number,
-            version=Version(1, 0),
+            version=self.version,
             low_level_sha256="5d" * 32,
             outcome=outcome,
             steps=self.step,
@@ -135,7 +149,7 @@ class FakeRobot:
         return episode
 
     def beat(self) -> None:
-        """Give a sign of life, and a picture for each camera that somebody watches."""
+        """Give a sign of life, and in an episode a picture for each camera that is watched."""
         heartbeat = RobotHeartbeat(
             robot=self.name,
             actor="actor-1",
@@ -149,16 +163,19 @@ class FakeRobot:
             step=self.step,
             command=LanguageGoal(text=self.command),
             chosen_by=self.chosen_by,
-            version=Version(1, 0),
+            version=self.version,
             supervised=self.supervised,
             help=self.help,
         )
         self.bus.put(robot_key(FLEET, self.name, "heartbeat"), encode(heartbeat))
+        if self.episode is None:
+            return
         for camera in CAMERAS:
-            if self.bus.watched(robot_key(FLEET, self.name, f"frame-{camera}")):
-                self.show(camera)
+            for rate in Rate:
+                if self.bus.watched(robot_key(FLEET, self.name, Channel(camera, rate).message)):
+                    self.show(camera, rate=rate)
 
-    def show(self, camera: str, size: tuple[int, int] = (48, 64)) -> None:
+    def show(self, camera: str, size: tuple[int, int] = (48, 64), rate: Rate = Rate.FULL) -> None:
         """Publish a picture."""
         noise = np.random.default_rng(self.step).integers(0, 255, (*size, 3), np.uint8)
         frame = Frame(
@@ -170,7 +187,7 @@ class FakeRobot:
             time_ns=time.time_ns(),
             arrays={"jpeg": np.frombuffer(simplejpeg.encode_jpeg(noise), np.uint8)},
         )
-        key = robot_key(FLEET, self.name, f"frame-{camera}")
+        key = robot_key(FLEET, self.name, Channel(camera, rate).message)
         self.bus.put(key, encode(frame), Urgency.BACKGROUND, droppable=True)
 
     def _live(self) -> None:
@@ -187,18 +204,45 @@ class FakeRobot:
             self.receipts[correction.id] = self._judge(correction)
         return encode(self.receipts[correction.id])
 
+    def _read(self, key: str, payload: bytes) -> bytes:
+        del key  # Unused.
+        text = decode(PhraseQuestion, payload).text
+        if text is None:
+            told = PhraseAnswer(robot=self.name, step=self.step, commands=COMMANDS)
+            return encode(told.model_copy(update={"low_level_sha256": self.low_level_sha256}))
+        refused = f"the low level doesn't understand {text!r}" if "dance" in text else ""
+        answer = PhraseAnswer(
+            robot=self.name,
+            step=self.step,
+            text=text,
+            means=None if refused else COMMANDS[0],
+            refused=refused,
+            known=text in COMMANDS,
+            low_level_sha256=self.low_level_sha256,
+            nearest=(Near(command=COMMANDS[0], score=0.5), Near(command=COMMANDS[4], score=0.25)),
+        )
+        return encode(answer)
+
     def _judge(self, correction: Correction) -> Receipt:
-        stale = correction.episode != self.episode and correction.kind not in AFTERWARDS
+        never_late = AFTERWARDS | {Kind.PAUSE}
+        stale = correction.episode != self.episode and correction.kind not in never_late
         replaced = None
         if correction.target == self.chosen_by:
             replaced = correction.target
             if correction.kind is Kind.EDIT and correction.goal:
                 self.command = correction.goal.text
+        if not stale and correction.kind in (Kind.OVERRIDE, Kind.RELEASE):
+            replaced = self.chosen_by if self.chosen_by in self.receipts else None
         if not stale and correction.kind is Kind.OVERRIDE and correction.goal:
             self.command, self.chosen_by = correction.goal.text, correction.id
         if not stale and correction.kind is Kind.RELEASE:
             self.command, self.chosen_by = COMMANDS[0], "1.0"
         over = f"episode {correction.episode} is over; the current one is {self.episode}"
+        if not stale and correction.kind in (Kind.PAUSE, Kind.RESUME):
+            paused = correction.kind is Kind.PAUSE
+            self.state = RobotState.PAUSED if paused else RobotState.ACTING
+        if correction.kind is Kind.RETRACT and replaced:
+            self.command, self.chosen_by = COMMANDS[0], "1.0"
         reason = over if stale else self.reason
         if not reason and correction.kind.answers:
             self.help, self.state = None, RobotState.ACTING
@@ -215,14 +259,22 @@ class FakeRobot:
 
 
 class FakeLearner:
-    """Takes corrections and receipts; taken: (message, correction id), as they came."""
+    """Takes corrections and receipts, and tells what it learned.
+
+    taken: (message, correction id), as they came. learned: versions by correction.
+    asked: how many corrections it was asked about, question by question.
+    """
 
     def __init__(self, bus: Bus) -> None:
         self.bus = bus
         self.taken: list[tuple[str, str]] = []
+        self.learned: dict[str, Version] = {}
+        self.held_out: set[str] = set()
+        self.asked: list[int] = []
         self._serving = [
             bus.serve(any_service(FLEET, "correction-api", "correction"), self._correction),
             bus.serve(any_service(FLEET, "correction-api", "receipt"), self._receipt),
+            bus.serve(service_key(FLEET, "learner", "learner-1", "learned"), self._tell),
         ]
 
     def close(self) -> None:
@@ -242,19 +294,27 @@ class FakeLearner:
         key = service_key(FLEET, "learner", "learner-1", "heartbeat")
         self.bus.put(key, encode(heartbeat))
 
-    def announce(self, version: str = "1.0") -> None:
-        """Announce a policy that knows `COMMANDS`."""
+    def announce(self, version: str = "1.0", bank: tuple[str, ...] = COMMANDS) -> None:
+        """Announce a policy that chooses from a bank."""
         tensor = TensorRef(name="w", sha256="0" * 64, dtype="float32", shape=(1,), size_bytes=4)
         announcement = PolicyAnnouncement(
             version=Version.parse(version),
             learner="learner-1",
             created_ns=time.time_ns(),
             tensors=(tensor,),
-            bank=COMMANDS,
+            bank=bank,
             low_level_sha256="5d" * 32,
         )
         key = service_key(FLEET, "learner", "learner-1", "policy")
         self.bus.latest(key, encode(announcement))
+
+    def _tell(self, key: str, payload: bytes) -> bytes:
+        del key  # Unused.
+        asked = decode(LearnedQuestion, payload).corrections
+        self.asked.append(len(asked))
+        learned = {name: self.learned[name] for name in asked if name in self.learned}
+        aside = tuple(name for name in asked if name in self.held_out)
+        return encode(LearnedAnswer(learned=learned, held_out=aside))
 
     def _correction(self, key: str, payload: bytes) -> bytes:
         del key  # Unused.

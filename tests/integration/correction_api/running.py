@@ -18,7 +18,7 @@ from services.correction_api.loop import serve
 from shared.service import Stop
 from shared.wire.bus import Bus
 
-WITHIN_S = 15.0  # Far more than is needed, for machines that are busy.
+WITHIN_S = 60.0  # Far more than is needed, for machines that are busy.
 
 T = TypeVar("T")
 

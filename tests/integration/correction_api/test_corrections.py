@@ -237,7 +237,7 @@ def test_what_nobody_answers_expires_and_is_told_as_such(
     with MemoryBus(router) as bus, MemoryBus(router) as robots:
         with running(bus, tmp_path / "other", delivery=delivery) as other:
             mute = FakeRobot(robots, "robot-2")
-            mute._serving.close()
+            mute._serving[0].close()
             eventually(lambda: len(other.get("api/v1/robots").json()["robots"]) == 2)
             path = "api/v1/robots/robot-2/corrections"
             body = {**OVERRIDE, "id": "say-9"}
@@ -251,20 +251,23 @@ def test_what_nobody_answers_expires_and_is_told_as_such(
     del api  # It only has to be there: a second one does not disturb it.
 
 
-def test_between_two_episodes_nothing_can_be_corrected(api: httpx.Client, robot: FakeRobot) -> None:
+def test_between_two_episodes_nothing_can_be_corrected_but_stopped(
+    api: httpx.Client, robot: FakeRobot
+) -> None:
     robot.end()
     robot.deaf = True
     robot.state = RobotState.IDLE
-    idle = {"kind": "pause", "episode": "robot-1-e1"}
-    eventually(lambda: say(api, idle).status_code == 409)
-    assert "robot-1-e1 of robot-1 is over" in say(api, idle).json()["detail"]
+    late = {"kind": "override", "text": "wait", "episode": "robot-1-e1"}
+    eventually(lambda: say(api, late).status_code == 409)
+    assert "robot-1-e1 of robot-1 is over" in say(api, late).json()["detail"]
+    assert say(api, {"kind": "pause", "episode": "robot-1-e1"}).json()["status"] == "in force"
 
 
 def test_what_was_pending_is_taken_up_after_a_restart(router: MemoryRouter, tmp_path: Path) -> None:
     quick = {"answer_s": 0.05, "ask_s": 0.1}
     with MemoryBus(router) as bus, MemoryBus(router) as robots:
         robot = FakeRobot(robots)
-        robot._serving.close()
+        robot._serving[0].close()
         with running(bus, tmp_path, delivery=quick) as api:
             eventually(lambda: api.get("api/v1/robots").json()["robots"])
             names = [say(api).json()["correction"]["id"] for _ in range(3)]

@@ -3,13 +3,8 @@
 Real processes: a Zenoh router and the API; robot and learner live in the test and stay up.
 """
 
-import json
-import os
 import random
-import signal
 import sqlite3
-import subprocess
-import sys
 import threading
 import time
 from collections.abc import Iterator
@@ -21,27 +16,11 @@ import pytest
 from deploy.ports import free_port
 from shared.wire.bus import BusSettings, open_bus
 from tests.integration.correction_api.fakes import FakeLearner, FakeRobot
+from tests.integration.correction_api.processes import STARTS_WITHIN_S, Process
 from tests.integration.correction_api.running import eventually
 
 CYCLES = 3
 SPEAKERS = 4
-
-
-class Process:
-    """`python -m MODULE --set …`, killed or ended by its id."""
-
-    def __init__(self, module: str, **sets: object) -> None:
-        words = [f"{name.replace('__', '.')}={json.dumps(value)}" for name, value in sets.items()]
-        arguments = [part for word in words for part in ("--set", word)]
-        self._popen = subprocess.Popen([sys.executable, "-m", module, *arguments])
-
-    def kill(self) -> None:
-        os.kill(self._popen.pid, signal.SIGKILL)
-        self._popen.wait(10)
-
-    def end(self) -> int:
-        self._popen.terminate()
-        return self._popen.wait(10)
 
 
 class Storm:
@@ -99,7 +78,7 @@ def test_what_was_acknowledged_survives_every_kill(router_port: int, tmp_path: P
         process = Process(
             "services.correction_api", port=port, database=str(database), bus__connect=endpoints
         )
-        eventually(lambda: _hears(url), within_s=20)
+        eventually(lambda: _hears(url), within_s=STARTS_WITHIN_S)
         return process
 
     with open_bus(BusSettings(connect=tuple(endpoints))) as bus:
@@ -108,12 +87,12 @@ def test_what_was_acknowledged_survives_every_kill(router_port: int, tmp_path: P
         storm = Storm(f"{url}/robots/robot-1/corrections")
         for _ in range(CYCLES):
             enough = len(storm.acknowledged) + chance.randint(5, 40)
-            eventually(lambda enough=enough: len(storm.acknowledged) >= enough, within_s=20)
+            eventually(lambda enough=enough: len(storm.acknowledged) >= enough)
             api.kill()
             api = start()
         storm.end()
         taken = {(kind, name) for name in storm.acknowledged for kind in ("correction", "receipt")}
-        eventually(lambda: taken <= set(learner.taken), within_s=20)
+        eventually(lambda: taken <= set(learner.taken))
         assert set(storm.acknowledged) <= set(robot.receipts)
         assert api.end() == 0
         robot.close()

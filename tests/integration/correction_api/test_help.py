@@ -159,7 +159,7 @@ def test_a_robot_whom_nobody_helps_carries_on_after_a_while_and_is_counted(
     router: MemoryRouter, tmp_path: Path
 ) -> None:
     with MemoryBus(router) as bus, running(bus, tmp_path) as api:
-        with working(tmp_path, router, wait_s=0.7) as bench:
+        with working(tmp_path, router, wait_s=3.0) as bench:
             (told,) = eventually(lambda: asking(api))
             assert told["waits_s"] > 0
             eventually(lambda: len(bench.robot.actions) > 20)

@@ -101,19 +101,15 @@ def test_a_page_that_does_not_read_slows_nobody_down(api: httpx.Client, robot: F
             last = robot.step
             while read(quick, "frame")["step"] < last:
                 continue
-            latencies = _latencies(api)
+            # Nobody waits: for a receipt that doesn't come in time the answer would be "pending".
+            assert [_paused(api) for _ in range(20)] == ["in force"] * 20
             slow.close()
-    assert latencies[len(latencies) // 2] < 0.2
     assert 'hldagger_live_dropped_total{kind="frame"}' in api.get("metrics").text
 
 
-def _latencies(api: httpx.Client) -> list[float]:
-    latencies = []
-    for _ in range(20):
-        began = time.monotonic()
-        api.post("api/v1/robots/robot-1/corrections", json={"kind": "pause"})
-        latencies.append(time.monotonic() - began)
-    return sorted(latencies)
+def _paused(api: httpx.Client) -> str:
+    answer = api.post("api/v1/robots/robot-1/corrections", json={"kind": "pause"})
+    return str(answer.json()["status"])
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,8 @@
 """The OpenAPI text against the service: whatever it allows or not, nothing crashes, and what is
 answered is what it says."""
 
+import json
+
 import httpx
 import pytest
 import schemathesis
@@ -21,6 +23,15 @@ CHECKS = [
     response_schema_conformance,
 ]
 EXAMPLES = 40
+
+
+@schemathesis.serializer("audio/l16")
+def _sound(ctx: schemathesis.SerializationContext, value: object) -> object:
+    """Sound goes out as it is."""
+    del ctx  # Unused.
+    return value if isinstance(value, bytes) else json.dumps(value).encode()
+
+
 LIMITS = settings(
     max_examples=EXAMPLES,
     deadline=None,
@@ -73,4 +84,4 @@ def test_every_route_is_shown_with_an_example(standing_api: httpx.Client) -> Non
             good = route["responses"].get("201") or route["responses"]["200"]
             media = next(iter(good["content"].values()))
             assert "example" in media or path.endswith(("/healthz", "/readyz")), path
-    assert len(paths) == 12
+    assert len(paths) == 25

@@ -99,9 +99,19 @@ def test_a_phrase_is_said_and_reported(tmp_path):
     assert 0 < content["steps"] <= 240
 
 
+def test_what_was_so_before_is_told_as_such(tmp_path):
+    report = tmp_path / "new" / "said.json"
+    done = run("say", "pick up the ham", "--holding", "ham", "--steps", 40, "--report", report)
+    assert done.returncode == 0, done.stderr
+    assert "nothing, it was so before" in done.stdout
+    content = json.loads(report.read_text())
+    assert (content["already"], content["achieved"]) == (True, None)
+
+
 def test_an_experiment_writes_its_report_for_machines_and_for_people(tmp_path):
     done = run("experiment", "skills", "--out", tmp_path, "--scale", "small", "--n", 1)
     assert done.returncode == 0, done.stderr
+    assert "19 of 19" in done.stdout  # Nobody looks at a terminal: lines tell how far it is.
     content = json.loads((tmp_path / "report.json").read_text())
     assert content["experiment"] == "skills"
     assert all(found["n"] == 1 for found in content["figures"]["skills"].values())
@@ -116,6 +126,13 @@ def test_an_experiment_writes_its_report_for_machines_and_for_people(tmp_path):
         (judge.main, ("--high-level", "9.9"), "base, oracle"),
         (judge.main, ("--task", "dance"), "sandwich"),
         (judge.main, ("--set", "latency=3"), "latency_steps"),
+        (judge.main, ("--set", "looks=9"), "set looks to 4 or less"),
+        (judge.main, ("--set", "history=5"), "set history to 4 or less"),
+        (judge.main, ("--task", "pack, dance"), "task 'dance'"),
+        (judge.main, ("--report", "/dev/null/r.json"), "cannot write into"),
+        (say.main, ("wait", "--report", "/dev/null/r.json"), "cannot write into"),
+        (experiments.main, ("skills", "--out", "/dev/null/x"), "cannot write into"),
+        (experiments.main, ("skills", "--out", "x", "--n", "3", "--seeds", "0:9"), "--seeds 0:3"),
         (say.main, (" ",), "pick up the cheese"),
         (say.main, ("put it down", "--holding", "hamm"), "ham"),
         (experiments.main, ("skill", "--out", "x"), "skills"),

@@ -9,6 +9,7 @@ from services.actor.logbook import Logbook
 from services.actor.obey import Inbox
 from services.actor.observe import Observer
 from services.actor.record import Recorder
+from services.actor.understand import Listener
 from shared.clock import SystemClock
 from shared.messages.decision import Decision
 from shared.messages.episode import Episode
@@ -46,6 +47,7 @@ class Bench:
         self.courier = Courier(self.bus, self.outbox, self.clock)
         self.recorder = Recorder(self.bus, self.outbox, self.courier, "lab")
         self.refresh, self.robot = Newest(), CountingRobot()
+        self.low_level = EchoingLowLevel()
         self.heard = {"decision": [], "episode": [], "heartbeat": []}
         for name, kind in (
             ("decision", Decision),
@@ -64,12 +66,13 @@ class Bench:
             0,
             settings=self.settings,
             robot=self.robot,
-            low_level=EchoingLowLevel(),
+            low_level=self.low_level,
             source=self.refresh,
             thinking=Lockstep(),
             recorder=self.recorder,
             observer=Observer(self.bus, "lab", "robot-1", self.clock, FrameSettings(rate_hz=60)),
             inbox=Inbox(self.bus, "lab", "robot-1", threading.Event()),
+            listener=Listener(self.bus, "lab", "robot-1", self.low_level),
             logbook=Logbook(self.folder / "robot-1.json"),
             clock=self.clock,
         )

@@ -210,6 +210,29 @@ def test_pictures_are_made_only_while_somebody_watches(bench):
     assert frames[0].arrays["jpeg"].dtype == np.uint8
 
 
+def test_a_stop_between_two_episodes_holds_in_the_next_one_until_somebody_says_resume(bench):
+    actor = bench(rollout={"max_steps": 3}, pace="real-time", rest_s=0.2)
+    actor.tick_until(lambda: actor.heard["episode"])
+    over = actor.heard["episode"][0].id
+    assert (actor.say(said(Kind.PAUSE, episode=over)).step, actor.runner._rollout) == (0, None)
+    actor.tick_until(lambda: actor.heard["heartbeat"][-1].state is RobotState.PAUSED)
+    actor.tick_until(lambda: actor.heard["heartbeat"][-1].episode not in (None, over))
+    moved, last = len(actor.robot.actions), actor.heard["heartbeat"][-1]
+    for _ in range(20):
+        actor.runner.tick()
+    assert (len(actor.robot.actions), last.state) == (moved, RobotState.PAUSED)
+    assert actor.say(said(Kind.RESUME, episode=last.episode)).accepted
+    actor.tick_until(lambda: len(actor.robot.actions) > moved)
+
+
+def test_a_stop_that_comes_after_its_episode_has_ended_stops_the_one_that_runs(bench):
+    actor = bench(rollout={"max_steps": 20})
+    actor.tick_until(lambda: len(actor.heard["episode"]) == 1 and actor.runner._rollout)
+    late = actor.say(said(Kind.PAUSE, episode=actor.heard["episode"][0].id))
+    assert late.accepted
+    assert actor.runner._rollout.paused
+
+
 def test_between_two_episodes_only_what_is_said_of_the_past_is_taken(bench):
     actor = bench(rollout={"max_steps": 3}, episodes_per_version=1)
     actor.tick_until(lambda: actor.heard["episode"])

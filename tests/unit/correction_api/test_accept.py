@@ -28,7 +28,16 @@ def watch(clock: ManualClock) -> Watch:
 @pytest.fixture
 def desk(clock: ManualClock, watch: Watch, tmp_path: Path) -> Iterator[Desk]:
     with opened_store(tmp_path / "a.sqlite") as store:
-        yield Desk(watch, store.log, store.episodes, clock, Metrics(), answer_s=2.0, settle_s=2.0)
+        yield Desk(
+            watch,
+            store.log,
+            store.episodes,
+            clock,
+            Metrics(),
+            answer_s=2.0,
+            settle_s=2.0,
+            understood=lambda *_: None,
+        )
 
 
 def test_a_robot_is_unknown_only_after_a_while(desk: Desk, clock: ManualClock) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from services.correction_api.config import DeliverySettings
 from services.correction_api.deliver import Messenger
-from services.correction_api.store.log import Entry, Status
+from services.correction_api.store.log import Closed, Entry, Status
 from services.correction_api.store.store import Store
 from shared.clock import ManualClock
 from shared.errors import RefusedError
@@ -35,8 +35,8 @@ async def _deliver(
     closed: list[Entry] = []
     done = asyncio.Event()
 
-    def close(entry: Entry) -> None:
-        closed.append(entry)
+    def close(entry: Closed) -> None:
+        closed.append(entry.entry)
         if len(closed) == len(names):
             done.set()
 
@@ -78,13 +78,13 @@ def test_a_robot_that_is_away_holds_up_nobody_else(tmp_path: Path) -> None:
         return encode(receipt(said.id, robot=said.robot, reason="over"))
 
     async def test(store: Store) -> Entry:
-        first: asyncio.Future[Entry] = asyncio.get_running_loop().create_future()
+        first: asyncio.Future[Closed] = asyncio.get_running_loop().create_future()
         with MemoryBus(router) as bus:
             messenger = Messenger(bus, "lab", store.log, ManualClock(), QUICK, first.set_result)
             for name in ("robot-1-0", "robot-2-0"):
                 said = correction(name, robot=name[:7])
                 messenger.send([store.log.append(said, "d").result()])
-            entry = await asyncio.wait_for(first, 5)
+            entry = (await asyncio.wait_for(first, 5)).entry
             assert len(messenger) == 1
             await messenger.close()
         return entry

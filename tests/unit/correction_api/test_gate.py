@@ -81,6 +81,15 @@ def test_a_body_that_says_it_is_too_large_is_not_read(length: str) -> None:
     assert _ask(ApiSettings(), "POST", headers={"Content-Length": length}).status_code == 413
 
 
+def test_sound_may_be_larger_than_words_and_is_limited_too() -> None:
+    speech = ApiSettings.model_validate({"prefix": "/cell", "speech": {"max_s": 10}})
+    for path, limit in (("/cell/api/v1/speech", 320_000), ("/api/v1/speech", 320_000)):
+        assert _ask(speech, "POST", path, content=bytes(limit)).status_code == 200
+        answer = _ask(speech, "POST", path, content=bytes(limit + 1))
+        assert answer.status_code == 413
+        assert "10 s of speech" in answer.json()["detail"]
+
+
 def test_every_answer_keeps_a_page_to_its_own_origin() -> None:
     for answer in (_ask(ApiSettings()), _ask(ApiSettings(), headers={"Host": "evil"})):
         assert answer.headers["Content-Security-Policy"].startswith("default-src 'self'")

@@ -4,7 +4,7 @@ import asyncio
 from collections import Counter
 
 from services.correction_api.bell import Bell, wait
-from services.correction_api.live import CAPACITY, Client, Live, Slot, View
+from services.correction_api.live import CAPACITY, WINDOW, Client, Live, Slot, View
 
 
 def _client(dropped: Counter[str]) -> Client:
@@ -33,6 +33,24 @@ def test_a_page_that_never_reads_costs_a_bounded_queue() -> None:
         assert len(client) == CAPACITY
         assert dropped == {"correction": 2 * CAPACITY}
         assert client.take() == str(2 * CAPACITY)
+
+    asyncio.run(test())
+
+
+def test_a_page_that_tells_what_it_took_in_gets_no_more_than_it_can_show() -> None:
+    async def test() -> None:
+        client = _client(Counter())
+        client.acknowledge(0)
+        for number in range(WINDOW + 5):
+            client.offer(Slot("correction", f"c-{number}"), lambda: "said")
+        client.offer(Slot("robot", "robot-1"), lambda: "old")
+        taken = 0
+        while client.take():
+            taken += 1
+        assert taken == WINDOW
+        client.offer(Slot("robot", "robot-1"), lambda: "new")
+        client.acknowledge(WINDOW)
+        assert [client.take() for _ in range(7)] == ["said"] * 5 + ["new", None]
 
     asyncio.run(test())
 

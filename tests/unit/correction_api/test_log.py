@@ -37,7 +37,7 @@ def test_a_receipt_closes_once_and_follows_its_correction(tmp_path: Path) -> Non
         store.log.append(correction("c-1"), "d").result()
         closed = store.log.answer(receipt("c-1")).result()
         assert closed is not None
-        assert closed.status is Status.IN_FORCE
+        assert closed.entry.status is Status.IN_FORCE
         assert store.log.answer(receipt("c-1", reason="late")).result() is None
         assert store.log.answer(receipt("c-unknown")).result() is None
         found = store.log.find("c-1")
@@ -52,7 +52,7 @@ def test_what_expired_has_no_receipt_and_cannot_come_in_force(tmp_path: Path) ->
         store.log.append(correction("c-1"), "d").result()
         expired = store.log.expire(correction("c-1"), "nobody answered").result()
         assert expired is not None
-        assert (expired.status, expired.reason) == (Status.EXPIRED, "nobody answered")
+        assert (expired.entry.status, expired.entry.reason) == (Status.EXPIRED, "nobody answered")
         assert store.log.answer(receipt("c-1")).result() is None
 
 
@@ -64,7 +64,7 @@ def test_what_is_said_of_the_past_does_not_expire_but_is_kept(tmp_path: Path) ->
         store.log.append(past, "d").result()
         closed = store.log.expire(past, "nobody answered").result()
         assert closed is not None
-        assert (closed.status, closed.reason) == (Status.KEPT, "nobody answered")
+        assert (closed.entry.status, closed.entry.reason) == (Status.KEPT, "nobody answered")
         late = past.model_copy(update={"id": "c-2"})
         assert store.log.append(late, "d", Status.KEPT).result().status is Status.KEPT
         assert store.log.pending() == []

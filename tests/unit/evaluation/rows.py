@@ -11,6 +11,7 @@ def row(seed=2_000_000_000, success=True, task="sandwich", failure="", attempts=
         task=task,
         prompt="do it",
         success=success,
+        progress=1.0 if success else 0.5,
         failure="" if success else failure or "out of time",
         attempts=attempts,
         low_level_sha256=SHA,

@@ -3,6 +3,7 @@
 import pytest
 
 from shared.errors import ConfigError, HldError, PolicyError
+from shared.evaluation.phrase import Phrases
 from shared.evaluation.plan import Plan, find_high_level, parse_seeds
 from shared.seeds import purpose
 
@@ -17,6 +18,17 @@ def test_every_high_level_is_evaluated_on_the_same_scenes_which_are_for_nothing_
 def test_more_seeds_are_the_same_ones_and_some_more():
     few, many = Plan(seeds=(0, 4)).cases(), Plan(seeds=(0, 9)).cases()
     assert many[:4] == few
+
+
+def test_rows_of_a_site_are_not_those_of_another_that_took_its_name(tmp_path):
+    site = tmp_path / "mine.toml"
+    site.write_text('name = "mine"\n')
+    plan, phrases = Plan(site=str(site)), Phrases(site=str(site))
+    before = plan.note(), phrases.note()
+    assert (plan.note(), phrases.note()) == before
+    site.write_text('name = "mine"\ndistractors = 8\n')
+    assert plan.note() != before[0]
+    assert phrases.note() != before[1]
 
 
 @pytest.mark.parametrize(("text", "seeds"), [("0:60", (0, 60)), ("7:8", (7, 8)), ("5", (0, 5))])

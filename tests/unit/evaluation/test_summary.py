@@ -42,6 +42,7 @@ def test_failures_say_what_went_wrong_first_and_sum_to_the_episodes_that_failed(
 def test_steps_and_decisions_are_means_and_the_low_level_is_named():
     summary = summarize(ROWS)
     assert (summary["steps"], summary["decisions"]) == (150.0, 5.0)
+    assert summary["progress"] == 0.75
     assert summary["asked"] == {"interval": 16, "start": 4}
     assert summary["low_level_sha256"] == [SHA]
 

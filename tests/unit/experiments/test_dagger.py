@@ -1,6 +1,8 @@
 """Rounds under a scripted person: what is collected, what the arms learn, what is told of it."""
 
+import shutil
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,12 +11,13 @@ import pytest
 from services.learner.experiments.bench import Bench
 from services.learner.experiments.dagger import compare
 from services.learner.experiments.dagger.course import Course
-from services.learner.experiments.dagger.figures import gap_closed
+from services.learner.experiments.dagger.figures import gap_closed, less
 from services.learner.experiments.dagger.lessons import Treatment, place_of
 from services.learner.experiments.dagger.scale import ARMS, FULL, MAIN, SMALL, DaggerSettings
 from services.learner.experiments.dagger.watching import Person, Shift, Turn, Watcher
 from services.learner.experiments.report import describe
 from services.learner.labels.aggregate import Ground, Label
+from shared.errors import HldError
 from shared.evaluation.attempts import Row
 from shared.evaluation.plan import Plan
 from shared.messages.correction import Correction, Kind
@@ -52,17 +55,34 @@ def test_a_late_person_is_obeyed_later_and_one_who_never_looks_says_nothing() ->
     assert not watch(Person(miss_rate=1.0)).said.get("override")
 
 
+def test_who_endorses_an_episode_that_succeeded_labels_all_of_it_by_one_utterance(
+    tmp_path: Path,
+) -> None:
+    shift = Shift(plan=Plan(site="lab", high_level="oracle"), person=Person(endorse=True))
+    with closing(Watcher(shift)) as watcher:
+        watched = watcher(TURN)
+    assert watched.success
+    with closing(Course(tmp_path / "course", LOW, 0)) as course:
+        course.found(None)
+        course.add(watched)
+        course.begin(1, SMALL.recipe)
+        effort, labels = course.effort(1), course.labels(1)
+    assert (effort.overrides, effort.endorsements, effort.corrections) == (0, 1, 1)
+    assert {label.ground for label in labels} == {Ground.ENDORSED}
+    assert len(labels) == watched.decisions
+
+
 def test_a_course_keeps_an_episode_once_and_knows_what_is_missing(tmp_path: Path) -> None:
     with closing(Course(tmp_path / "course", LOW, 0)) as course:
         course.found(None)
-        turns = course.missing(1, 2, ("sandwich", "pack"))
+        turns = course.missing(1, range(2), ("sandwich", "pack"))
         assert [(turn.task, turn.episode) for turn in turns] == [
             ("sandwich", "r1-e0"),
             ("pack", "r1-e1"),
         ]
         course.add(watch(Person(), turns[0]))
         course.add(watch(Person(), turns[0]))
-        assert course.missing(1, 2, ("sandwich", "pack")) == turns[1:]
+        assert course.missing(1, range(2), ("sandwich", "pack")) == turns[1:]
     with closing(Course(tmp_path / "course", LOW, 0)) as course:
         round_ = course.begin(1, SMALL.recipe)
         assert round_ is not None
@@ -88,7 +108,7 @@ def labels() -> list[Label]:
 
 
 def test_shuffled_labels_keep_their_words_and_their_weights_but_not_their_places() -> None:
-    settings = SMALL.model_copy(update={"episodes": 8})
+    settings = SMALL.model_copy(update={"episodes": (8, 8, 8)})
     shuffled = Treatment(ARMS["shuffled"], settings, 0)(labels())
     assert sorted(label.text for label in shuffled) == sorted(label.text for label in labels())
     assert [label.decision for label in shuffled] == [label.decision for label in labels()]
@@ -97,7 +117,7 @@ def test_shuffled_labels_keep_their_words_and_their_weights_but_not_their_places
 
 
 def test_an_arm_sees_its_last_round_or_its_first_episodes_alone() -> None:
-    settings = SMALL.model_copy(update={"episodes": 8})
+    settings = SMALL.model_copy(update={"episodes": (8, 8, 8)})
     last = Treatment(ARMS["last"], settings, 0)(labels())
     assert {place_of(label.episode)[0] for label in last} == {3}
     first = Treatment(ARMS["episodes-0.25"], settings, 0)(labels())
@@ -108,8 +128,8 @@ def test_an_arm_sees_its_last_round_or_its_first_episodes_alone() -> None:
 
 def rows(wins: list[bool]) -> list[Row]:
     return [
-        Row(seed=seed, task="pack", prompt=f"{seed}", success=won, steps=3, decisions=2,
-            low_level_sha256="a")
+        Row(seed=seed, task="pack", prompt=f"{seed}", success=won, progress=1.0, steps=3,
+            decisions=2, low_level_sha256="a")
         for seed, won in enumerate(wins)
     ]  # fmt: skip
 
@@ -127,6 +147,15 @@ def test_the_gap_is_what_lies_between_base_and_oracle() -> None:
     assert gap_closed({**by_arm, "oracle": by_arm["base"]}, 1)["value"] is None
 
 
+@pytest.mark.parametrize(("mine", "its", "pairs"), [(1, 1, 4), (3, 1, 12), (3, 2, 8), (3, 3, 12)])
+def test_arms_are_compared_on_the_training_seeds_that_both_have(
+    mine: int, its: int, pairs: int
+) -> None:
+    won, lost = rows([True] * 4), rows([False] * 4)
+    gap = less([won] * mine, [lost] * its)
+    assert (gap["n"], gap["difference"]) == (pairs, 1.0)
+
+
 def test_every_arm_that_the_full_run_names_has_its_person_in_it() -> None:
     assert {ARMS[name].person for name in FULL.arms} <= set(FULL.people)
     assert set(SMALL.arms) <= set(FULL.arms)
@@ -134,10 +163,9 @@ def test_every_arm_that_the_full_run_names_has_its_person_in_it() -> None:
 
 @pytest.mark.timeout(300)
 def test_all_of_it_in_small_and_again_without_doing_anything_twice(tmp_path: Path) -> None:
-    train = SMALL.recipe.train.model_copy(update={"steps": 2, "batch": 4})
+    train = SMALL.recipe.train.model_copy(update={"steps": 2, "batch": 4, "epochs": 0})
     settings = DaggerSettings(
-        episodes=1,
-        rounds=1,
+        episodes=(1,),
         seeds=1,
         people=(MAIN,),
         arms=("shuffled", "lab"),
@@ -160,3 +188,20 @@ def test_all_of_it_in_small_and_again_without_doing_anything_twice(tmp_path: Pat
     done = pool.jobs
     assert compare(bench, settings).figures == figures
     assert pool.jobs == done
+    # What was kept is enough to go on with elsewhere.
+    elsewhere = replace(bench, out=tmp_path / "elsewhere")
+    shutil.copytree(tmp_path / "outcomes", elsewhere.out / "outcomes")
+    assert compare(elsewhere, settings).figures == figures
+    assert pool.jobs == done
+    other = settings.model_copy(update={"episodes": (2,)})
+    with pytest.raises(HldError, match="move it away, or name another --out"):
+        compare(elsewhere, other)
+    (elsewhere.out / "outcomes" / "far" / "seed-0.json.gz").write_bytes(b"cut")
+    with pytest.raises(HldError, match="holds no outcomes"):
+        compare(elsewhere, settings)
+
+
+def test_a_share_is_compared_at_as_many_updates() -> None:
+    recipes = [ARMS[name].recipe(FULL.recipe) for name in ("share-0.1", "together", "share-0.8")]
+    assert [recipe.train.correction_share for recipe in recipes] == [0.1, 0.5, 0.8]
+    assert len({recipe.train.updates(6000) for recipe in recipes}) == 1

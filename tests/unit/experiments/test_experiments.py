@@ -2,7 +2,7 @@
 
 import pytest
 
-from services.learner.experiments import horizon, language, transitions
+from services.learner.experiments import horizon, language, replanning, transitions
 from services.learner.experiments.bench import slug
 from services.learner.experiments.registry import EXPERIMENTS, experiment_named
 from services.learner.experiments.scenes import setting_for
@@ -56,11 +56,27 @@ def test_transitions_are_compared_on_the_same_scenes_under_both_paces(tmp_path):
     found = transitions.run(scripted(tmp_path, script)).figures["base"]
     assert found["slow"]["both"]["less_interval"]["difference"] == pytest.approx(11 / 12, abs=1e-3)
     assert found["slow"]["both"]["less_interval"]["p"] < 0.01
-    assert found["fast"]["both"]["less_interval"] == {
-        "difference": 0.0,
-        "interval": [0.0, 0.0],
-        "p": 1.0,
+    same = found["fast"]["both"]["less_interval"]
+    assert (same["difference"], same["p"]) == (0.0, 1.0)
+    assert same["interval"][0] < 0 < same["interval"][1]
+
+
+def test_replanning_is_swept_over_the_intervals_that_leave_time_for_an_answer(tmp_path):
+    def script(plan):
+        assert plan.rollout.decision_steps >= plan.rollout.latency_steps
+        late = plan.rollout.latency_steps + plan.rollout.decision_steps > 100
+        return [row(seed, not late) for seed in range(4)]
+
+    found = replanning.run(scripted(tmp_path, script))
+    oracle = found.figures["oracle"]
+    assert {delay: list(swept) for delay, swept in oracle.items()} == {
+        "0": ["10", "20", "50", "100", "150"],
+        "20": ["20", "50", "100", "150"],
+        "50": ["50", "100", "150"],
     }
+    assert oracle["0"]["100"]["success"] == 1.0
+    assert oracle["20"]["100"]["success"] == 0.0
+    assert [len(panel.curves) for panel in found.plots[0].panels] == [3, 3]
 
 
 def test_scenes_for_puts_have_something_in_the_hand_and_differ(tmp_path):

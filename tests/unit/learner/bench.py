@@ -8,6 +8,7 @@ from services.learner.collect import Collector
 from services.learner.config import LearnerSettings
 from services.learner.frozen import FrozenLowLevel
 from services.learner.gate import Candidate, Figures, Gate, GateSettings
+from services.learner.lessons import Lessons
 from services.learner.loop import Learner
 from services.learner.publish import Publisher
 from services.learner.rounds import RoundSettings
@@ -88,6 +89,7 @@ class Bench:
                 bus, "lab", "learner", self.files, Shelf(self.folder / "versions", self.files)
             ),
             frozen=FrozenLowLevel(self.low_level),
+            lessons=Lessons(bus, "lab", "learner", self.store),
             clock=self.clock,
         )
         self.learner = Learner(parts, settings, self.origin)
@@ -111,7 +113,9 @@ class Bench:
         sha256 = self.files.put(data)
         return TensorRef(name="w", sha256=sha256, dtype="float32", shape=(4,), size_bytes=16)
 
-    def candidate(self, value: float = 1.0, finite: bool = True) -> Candidate:
+    def candidate(
+        self, value: float = 1.0, finite: bool = True, learned: tuple[str, ...] = ()
+    ) -> Candidate:
         figures = Figures(
             labels=2, labels_sha256="0" * 64, held_out=0, loss=0.1, finite=finite, seconds=1.0
         )
@@ -120,6 +124,7 @@ class Bench:
             bank=("wait", HAM),
             settings={"width": 4},
             figures=figures,
+            learned=learned,
         )
 
     def happens(self, name: str, overrides: int = 2, missing: int = 0) -> None:

@@ -137,6 +137,47 @@ def test_an_approval_weight_of_zero_leaves_approvals_out() -> None:
     assert labels_of(*every_20(60), given, receipt("a", 20), approval_weight=0) == {}
 
 
+def endorsement(first: int = 0, end: int = 200, **over: Any) -> Correction:
+    return correction("all", kind="endorse", first_step=first, end_step=end, **over)
+
+
+def test_an_endorsement_labels_what_the_high_level_chose_where_nobody_spoke() -> None:
+    said = [correction("c", HAM, decision="e-1-60", seen_step=60, hold_steps=25), receipt("c", 60)]
+    obeyed = [
+        decision(step=step, executed=HAM, chosen_by="c") if step == 80 else decision(step=step)
+        for step in range(0, 121, 20)
+    ]
+    labels = labels_of(*obeyed, *said, endorsement(end=120), before_steps=25)
+    assert texts(labels) == {0: CHEESE, 20: CHEESE, 60: HAM, 80: HAM, 100: CHEESE}
+    assert (labels[0].ground, labels[60].ground) == (Ground.ENDORSED, Ground.OBJECTED)
+
+
+def test_an_endorsement_says_nothing_of_what_a_retracted_override_chose() -> None:
+    said = [correction("c", HAM), receipt("c", 40), correction("r", kind="retract", target="c")]
+    obeyed = [
+        decision(step=step, executed=HAM, chosen_by="c") if step >= 40 else decision(step=step)
+        for step in range(0, 81, 20)
+    ]
+    assert texts(labels_of(*obeyed, *said, endorsement())) == {0: CHEESE, 20: CHEESE}
+
+
+def test_an_endorsement_that_was_taken_back_or_weighs_nothing_gives_no_label() -> None:
+    back = correction("r", kind="retract", target="all")
+    assert labels_of(*every_20(60), endorsement(), back) == {}
+    assert labels_of(*every_20(60), endorsement(), approval_weight=0) == {}
+
+
+def test_what_was_said_of_the_past_stands_against_an_endorsement_and_makes_no_dispute() -> None:
+    told = correction("w", HAM, kind="relabel", author="bob", first_step=20, end_step=60)
+    labels = labels_of(*every_20(80), endorsement(), told)
+    assert texts(labels) == {0: CHEESE, 20: HAM, 40: HAM, 60: CHEESE, 80: CHEESE}
+
+
+def test_a_slip_of_the_hand_is_not_endorsed() -> None:
+    slipped = correction("f", kind="fault", decision="e-1-40")
+    assert texts(labels_of(*every_20(60), endorsement(), slipped)).keys() == {0, 20, 60}
+
+
 @pytest.mark.parametrize("kind", ["pass", "pause", "resume"])
 def test_passing_pausing_and_resuming_are_never_labels(kind: str) -> None:
     given = correction("p", kind=kind, decision="e-1-20")

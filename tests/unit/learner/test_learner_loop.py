@@ -17,7 +17,7 @@ from shared.policies.checkpoint import load_card
 from shared.wire.keys import service_key
 from tests.unit.learner.bench import Bench
 from tests.unit.learner.checkpoints import tamper
-from tests.unit.learner.records import HAM
+from tests.unit.learner.records import HAM, correction
 
 
 @pytest.fixture
@@ -50,6 +50,20 @@ def test_corrections_become_a_round_and_the_round_a_version(bench: Bench) -> Non
     assert (card.version, card.settings["bank"]) == ("1.1", f"wait\n{HAM}")
     assert bench.store.rounds()[0].state is RoundState.PASSED
     assert bench.state() is LearnerState.COLLECTING
+
+
+def test_a_command_said_of_an_episode_that_was_learned_from_begins_a_round(bench: Bench) -> None:
+    bench.happens("e-1")
+    bench.beat()
+    bench.trainer.outcome = bench.candidate()
+    bench.beat()
+    for number in range(2):
+        bench.store.add(
+            correction(f"w-{number}", HAM, kind="relabel", first_step=0, end_step=40), 1
+        )
+    bench.beat()
+    assert [round_.number for round_ in bench.trainer.begun] == [1, 2]
+    assert bench.trainer.begun[1].manifest.corrections == 2
 
 
 def test_robots_can_fetch_what_was_announced(bench: Bench) -> None:

@@ -160,6 +160,16 @@ def test_a_survey_says_what_each_new_episode_still_lacks(store: Store) -> None:
     assert store.survey(excluding).arrivals == survey.arrivals
 
 
+def test_a_survey_counts_the_commands_that_were_newly_said_of_the_past(store: Store) -> None:
+    store.add(correction("c", HAM), 1)
+    store.add(correction("w", HAM, kind="relabel", first_step=0, end_step=40), 1)
+    before = store.survey(Manifest())
+    assert before.hindsight == 1
+    store.add(correction("e", HAM, kind="edit", target="c"), 1)
+    store.add(correction("y", kind="endorse", first_step=0, end_step=40), 1)
+    assert store.survey(Manifest(marks=before.marks)).hindsight == 1
+
+
 def test_a_tally_counts_what_came_after_its_marks(store: Store) -> None:
     assert store.tally(Marks()) == Tally()
     for message in MESSAGES:

@@ -8,7 +8,7 @@ import pytest
 import torch
 
 from services.learner.build import origin
-from services.learner.config import Recipe
+from services.learner.config import Recipe, TrainSettings
 from services.learner.frozen import FrozenLowLevel
 from services.learner.gate import Candidate, keep_aside
 from services.learner.gather import gather, grow, open_version
@@ -16,11 +16,13 @@ from services.learner.labels.aggregate import Ground, Label, LabelSettings, deri
 from services.learner.store.memory import MemoryStore
 from services.learner.store.store import Manifest, Round, RoundState
 from services.learner.store.tensors import TensorFiles, unpack
-from services.learner.train import fine_tune
+from services.learner.train import fine_tune, reader
 from shared.goals.language.bank import PhraseBank
 from shared.messages.observation import Observation
 from shared.messages.policy import TensorRef
 from shared.policies import examples
+from shared.policies.checkpoint import bundled
+from shared.workcell.skills import COMMANDS
 from tests.unit.learner.checkpoints import BANK, Checkpoints, small_checkpoints
 from tests.unit.learner.records import HAM, TOAST, correction, decision, episode, receipt
 
@@ -47,15 +49,15 @@ class Workshop:
         self.store.add(done.model_copy(update={"low_level_sha256": self.low_sha256}), 1)
 
     def round(self, seed: int = 1, parent: int = 0, **train: Any) -> Round:
-        recipe = Recipe.model_validate({"train": {"steps": 4, "batch": 4, **train}})
+        recipe = Recipe.model_validate({"train": {"steps": 4, "batch": 4, "epochs": 0, **train}})
         manifest = Manifest(
             marks=self.store.survey(Manifest()).marks, settings=recipe.model_dump(mode="json")
         )
         return Round(number=1, epoch=1, parent=parent, seed=seed, manifest=manifest, begun_ns=1)
 
-    def train(self, round_: Round) -> Candidate:
+    def train(self, round_: Round, **how: Any) -> Candidate:
         told: list[float] = []
-        made = fine_tune(round_, self.store, self.files, self.demonstrations, told.append)
+        made = fine_tune(round_, self.store, self.files, self.demonstrations, told.append, **how)
         assert told == sorted(told)
         assert told[-1] == 1.0
         return made
@@ -169,6 +171,34 @@ def test_a_phrase_that_nobody_used_before_joins_the_bank(workshop: Workshop) -> 
     assert open_version(record, workshop.files).bank.phrases == made.bank
 
 
+def test_a_phrase_that_no_low_level_understands_is_not_learned(workshop: Workshop) -> None:
+    workshop.happens("e-1", "Grab the ham!")
+    workshop.happens("e-2", "dance around")
+    asked = list[str]()
+
+    def meaning(phrase: str) -> str | None:
+        asked.append(phrase)
+        return None if "dance" in phrase else HAM
+
+    made = workshop.train(workshop.round(), meaning=meaning)
+    assert made.bank == (*BANK, "grab the ham")
+    assert (made.figures.unread, made.figures.labels) == (("dance around",), 1)
+    assert sorted(asked) == ["dance around", "grab the ham"]  # What is known needs no reader.
+
+
+def test_the_low_level_that_comes_with_the_project_tells_nonsense_from_other_words() -> None:
+    meaning = reader(bundled("low_level"))
+    assert meaning("dance around") is None
+    assert meaning("grab the cheese") == "pick up the cheese"
+
+
+def test_what_is_told_by_its_scene_is_learned_and_means_nothing_in_any() -> None:
+    for phrase in ("take the dish on the left", "the red one"):
+        assert reader(bundled("low_level"))(phrase) is None
+        assert reader(bundled("low_level"), any_of_several=True)(phrase) in COMMANDS
+    assert reader(bundled("low_level"), any_of_several=True)("I don't like ham") is None
+
+
 def test_a_label_takes_the_spelling_of_the_bank() -> None:
     bank, spelling = grow(PhraseBank.of(["Wait.", HAM]), [])
     assert len(bank) == 2
@@ -225,3 +255,26 @@ def test_held_out_episodes_are_judged_and_not_learned_from(workshop: Workshop) -
     assert figures.held_out > 0
     assert figures.before is not None
     assert figures.after is not None
+
+
+@pytest.mark.parametrize(
+    ("labels", "updates"),
+    [(0, 200), (1280, 200), (1281, 201), (6400, 1000), (10**6, 4000)],
+)
+def test_more_labels_take_more_updates_so_that_each_is_learned_from_as_often(
+    labels: int, updates: int
+) -> None:
+    settings = TrainSettings(steps=200, epochs=5.0, max_steps=4000, batch=64, correction_share=0.5)
+    assert settings.updates(labels) == updates
+
+
+def test_a_round_makes_the_updates_that_its_labels_take(workshop: Workshop) -> None:
+    workshop.happens("one", HAM)
+    round_ = workshop.round(epochs=20.0)
+    shares: list[float] = []
+    fine_tune(round_, workshop.store, workshop.files, workshop.demonstrations, shares.append)
+    labels = len(
+        derive(workshop.store.history(round_.manifest), LabelSettings(), workshop.low_sha256)
+    )
+    assert labels > 0
+    assert len(shares) == 10 * labels

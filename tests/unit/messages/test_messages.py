@@ -89,6 +89,7 @@ FITS: dict[Kind, dict[str, object]] = {
     Kind.RETIME: {"target": "cor-0", **SPAN},
     Kind.RELABEL: {"goal": LanguageGoal(text="wait"), **SPAN},
     Kind.FAULT: {"decision": "dec-1"},
+    Kind.ENDORSE: SPAN,
 }
 NO_FIELDS = dict.fromkeys(BOUND)
 

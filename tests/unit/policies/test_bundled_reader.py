@@ -9,10 +9,10 @@ import pytest
 from shared.errors import PolicyError
 from shared.goals.family import Floats
 from shared.goals.language.encoder import shared_encoder
-from shared.policies import checkpoint
-from shared.policies.reader import Reader, restore
+from shared.policies.reader import Reader
 from shared.workcell.objects import BODY_NAMES, KITCHEN, TABLE
 from shared.workcell.skills import COMMANDS, PUT_DOWN, PUT_IN_BIN, PUT_IN_TUB, PUT_ON_PLATE, WAIT
+from tests.unit.policies.reads import read
 
 DISHES = np.array([name in TABLE for name in BODY_NAMES])
 FOOD = np.array([name in KITCHEN for name in BODY_NAMES])
@@ -33,16 +33,6 @@ class Deaf:
     def states(self, sentence: str) -> Floats:
         """Refuses."""
         raise PolicyError(f"asked to read {sentence!r}")
-
-
-@pytest.fixture(scope="module")
-def reader() -> Reader:
-    return restore(checkpoint.load(checkpoint.bundled("low_level"))[0], shared_encoder())
-
-
-def read(reader: Reader, text: str, there: "np.ndarray[tuple[int], np.dtype[np.bool_]]") -> str:
-    row = reader.read(text, there).command
-    return "" if row is None else COMMANDS[row]
 
 
 @pytest.mark.parametrize(

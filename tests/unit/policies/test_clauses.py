@@ -12,7 +12,8 @@ from shared.policies.low_level import LowLevel
 from shared.policies.phrase import ACT, FILLER, PLACE, unlike
 from shared.policies.reader import Reader
 from shared.workcell.objects import BODY_NAMES, KITCHEN, TABLE, index
-from shared.workcell.skills import COMMANDS, PUT_DOWN, PUT_IN_BIN, PUT_ON_PLATE, WAIT
+from shared.workcell.skills import PUT_DOWN, PUT_IN_BIN, PUT_ON_PLATE, WAIT
+from tests.unit.policies.reads import read
 from tests.unit.policies.scenes import gripping, senses
 
 FOOD = np.array([name in KITCHEN for name in BODY_NAMES])
@@ -41,17 +42,12 @@ def why(low_level: LowLevel) -> Callable[[str, str], str]:
     return objection
 
 
-def read(reader: Reader, text: str, there: "np.ndarray[tuple[int], np.dtype[np.bool_]]") -> str:
-    row = reader.read(text, there).command
-    return "" if row is None else COMMANDS[row]
-
-
 @pytest.mark.parametrize(
     "text",
     [
         "don't put it down", "please don't put it down", "dont put it down", "don't drop it",
         "don't put it on the plate", "don't throw it away", "never put it in the bin",
-        "don't let go", "do not release it", "I don't want it on the plate",
+        "I don't want it on the plate",
         "you shouldn't put it on the plate", "you mustn't put it on the plate",
         "it doesn't go in the bin", "stop putting it on the plate", "don't stop", "don't wait",
         "don't bin it", "no dropping it", "no more putting it in the bin", "don't leave it there",
@@ -60,6 +56,8 @@ def read(reader: Reader, text: str, there: "np.ndarray[tuple[int], np.dtype[np.b
         "there's no need to put it down", "don't put it in the bin or on the plate",
         "don't pick up the ham", "never pick up the ham", "don't take the ham",
         "stop picking up the ham", "don't pick up the ham or the cheese",
+        "nobody said put it down", "no one asked you to put it in the bin",
+        "whatever you do, leave the ham alone", "don't snaffle the ham", "don't defenestrate it",
     ],
 )  # fmt: skip
 def test_a_prohibition_is_refused_and_what_it_forbids_is_not_what_is_nearest(
@@ -123,6 +121,7 @@ def test_what_is_not_meant_is_no_name(reader: Reader, text: str) -> None:
     [
         ("the slice that isn't toasted", "pick up the bread"),
         ("the red one that isn't meat", "pick up the tomato"),
+        ("the cheese without the holes", "pick up the cheese"),
         ("the round red veggie", "pick up the tomato"),
     ],
 )
@@ -155,6 +154,11 @@ def test_what_a_thing_is_not_is_told_by_its_words() -> None:
         ("put the ham on the left of the plate", clauses.SIDE),
         ("place it on the left of the table", clauses.SIDE),
         ("put it down on the right side", clauses.SIDE),
+        ("put it next to the plate", clauses.NEARBY),
+        ("stow it beside the blue drum", clauses.NEARBY),
+        ("set it down near the bin", clauses.NEARBY),
+        ("deposit it on the edge of the tub", clauses.NEARBY),
+        ("place it to the left of the plate", clauses.NEARBY),
         ("remove it from the sandwich", clauses.REMOVES),
         ("get it off the plate", clauses.REMOVES),
         ("take all the dishes", clauses.SEVERAL),
@@ -192,6 +196,10 @@ def test_what_cant_be_meant_so_is_refused_with_the_reason(
         ("put it down with your left hand", PUT_DOWN),
         ("the right place for it is on the plate", PUT_ON_PLATE),
         ("take the ham off the plate", "pick up the ham"),
+        ("pick up the ham to the left of the plate", "pick up the ham"),
+        ("take the ham next to the plate", "pick up the ham"),
+        ("put it over there on the plate", PUT_ON_PLATE),
+        ("set it by itself", PUT_DOWN),
         ("go and get the ham", "pick up the ham"),
         ("leave it and take the ham", "pick up the ham"),
         ("I can't reach the ham, get it for me", "pick up the ham"),
@@ -199,6 +207,10 @@ def test_what_cant_be_meant_so_is_refused_with_the_reason(
         ("stop and put it down", PUT_DOWN),
         ("wait, put it down", PUT_DOWN),
         ("put it down, no, pick up the ham", "pick up the ham"),
+        ("leave the ham alone, take the cheese", CHEESE),
+        ("hmm, too dry still. take the tomato", "pick up the tomato"),
+        ("we need something fresh, so take the lettuce", "pick up the lettuce"),
+        ("someone left the cheddar there, gather it up", CHEESE),
     ],
 )
 def test_what_only_looks_like_it_is_read(reader: Reader, text: str, meant: str) -> None:
@@ -216,8 +228,9 @@ def test_what_only_looks_like_it_is_read(reader: Reader, text: str, meant: str) 
         ("take the bin", "", "doesn't understand"),
         ("pick up the tub", "", "doesn't understand"),  # None is there.
         ("place the slice onto the dish", "cheese", ""),
-        ("place the slice onto the plate", "lettuce", "not what is in the hand"),
-        ("put the vegetable on the plate", "tomato", "hardly what is in the hand"),
+        ("place the meat onto the plate", "lettuce", "not what is in the hand"),
+        ("put the vegetable on the plate", "tomato", ""),
+        ("put the salad ingredient on the plate", "tomato", "hardly what is in the hand"),
         ("don't put it down", "cheese", "say what to do instead; nearest it knows: '"),
     ],
 )
@@ -243,7 +256,8 @@ def test_clauses_need_no_more_than_words_and_parts() -> None:
         ("putting", verbs.PUT), ("placed", verbs.PUT), ("picks", verbs.PICK),
         ("dropping", verbs.PUT), ("let it go", verbs.PUT), ("let me", ""),
         ("get rid", verbs.PUT), ("get it", verbs.PICK), ("put your hand", verbs.MOVE),
-        ("hand me", verbs.PICK), ("hand", ""), ("sing", ""),
+        ("hand me", verbs.PICK), ("hand", ""), ("sing", ""), ("snaffling", verbs.PICK),
+        ("yeet it", verbs.PUT), ("froze", ""), ("freeze", verbs.WAIT),
     ],
 )  # fmt: skip
 def test_verbs_are_known_in_all_their_forms(said: str, kind: str) -> None:

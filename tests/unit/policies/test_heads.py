@@ -23,8 +23,8 @@ def taught() -> tuple[TextHead, torch.Tensor]:
     """A head that says one phrase for each of three thoughts."""
     made, thoughts = head(), torch.eye(3, THOUGHT) * 3
     rows = made.rows(PHRASES)
-    learner = torch.optim.Adam(made.parameters(), lr=1e-2)
-    for _ in range(60):
+    learner = torch.optim.Adam(made.parameters(), lr=2e-3)
+    for _ in range(80):
         learner.zero_grad()
         made.loss(thoughts, rows).backward()  # type: ignore[no-untyped-call]
         learner.step()

@@ -54,6 +54,24 @@ def test_what_lies_beside_a_place_is_none_and_named_things_stay_where_they_are()
         assert not named or place.split()[0] not in removals
 
 
+def test_a_thing_may_be_named_in_a_remark_before_it_is_asked_for() -> None:
+    drawer, _ = speaker(3)
+    said = [drawer.pick("cup", framed=True) for _ in range(300)]
+    remarked = [one for one in said if one.parts[0] == FILLER and THING in one.parts]
+    assert remarked
+    for one in remarked:
+        assert len(words_of(one.text)) == len(one.parts)
+        assert len(take_apart(words_of(one.text), one.parts).things) == 1
+
+
+def test_a_put_in_the_bin_may_name_what_is_held_and_no_place() -> None:
+    drawer, _ = speaker()
+    said = [drawer.put("bin", "can") for _ in range(60)]
+    direct = [one for one in said if one.act == "bin"]
+    assert direct
+    assert all(THING in one.parts and PLACE not in one.parts for one in direct)
+
+
 def test_courtesy_is_only_added() -> None:
     drawer, _ = speaker()
     plain = drawer.wait()

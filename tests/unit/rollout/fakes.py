@@ -104,6 +104,23 @@ class EchoingLowLevel:
         del proprioception, objects, goal
         return ""
 
+    def nearest(
+        self, proprioception: np.ndarray, objects: np.ndarray, goal: Goal
+    ) -> list[tuple[str, float]]:
+        del proprioception, objects, goal
+        return [("left", 0.75), ("right", 0.25)]
+
+    def meaning(self, goal: Goal, objects: np.ndarray) -> str | None:
+        del goal, objects
+        return "left"
+
+    def anywhere(self) -> tuple[np.ndarray, np.ndarray]:
+        return np.zeros(22), np.zeros((18, 9))
+
+    def commands(self, objects: np.ndarray) -> list[str]:
+        del objects
+        return ["left", "right"]
+
 
 class KnowingLowLevel(EchoingLowLevel):
     """Knows some commands, and says of a command at a control step whether it is achieved.
@@ -175,6 +192,12 @@ def rollout_of(
         scene=Scene("pack", "do it", "lab"),
         decided=(decisions if decisions is not None else []).append,
     )
+
+
+def advance(rollout: Rollout, steps: int) -> None:
+    """So many control steps, each of which must be one."""
+    for _ in range(steps):
+        assert rollout.advance()
 
 
 def said(kind: Kind, text: str | None = None, **fields: object) -> Correction:

@@ -1,7 +1,5 @@
 """`hld experiment dagger`: do corrections help, how much, and is it the corrections?"""
 
-from contextlib import closing
-
 from services.learner.experiments.bench import Bench
 from services.learner.experiments.dagger.report import findings
 from services.learner.experiments.dagger.run import Run, teaching_of
@@ -16,5 +14,5 @@ def run(bench: Bench) -> Findings:
 
 def compare(bench: Bench, settings: DaggerSettings) -> Findings:
     """The same of any settings."""
-    with closing(Run(bench, teaching_of(bench, settings))) as work:
-        return findings(settings, work.go(), bench.site)
+    tried = Run(bench, teaching_of(bench, settings)).go()
+    return findings(settings, tried, bench.site)

@@ -19,7 +19,7 @@ from services.learner.shelf import Shelf
 from services.learner.store.sql import SqlStore, sqlite_url
 from services.learner.store.store import Manifest, PolicyRecord, Round, RoundState
 from services.learner.store.tensors import TensorFiles, unpack
-from shared.messages.correction import Correction, Kind
+from shared.messages.correction import AFTERWARDS, Correction, Kind
 from shared.messages.episode import Episode
 from shared.messages.policy import TensorRef
 from shared.seeds import collection_seed
@@ -32,6 +32,7 @@ LATER_NS = 1 << 62
 class Effort(NamedTuple):
     """What the people of a round did. overrides, releases: utterances that the robot obeyed.
 
+    endorsements: episodes of which they said afterwards that the rest was right.
     steps: control steps that they looked on.
     """
 
@@ -39,8 +40,14 @@ class Effort(NamedTuple):
     decisions: int
     overrides: int
     releases: int
+    endorsements: int
     steps: int
     successes: int
+
+    @property
+    def corrections(self) -> int:
+        """What was said, but that somebody let go."""
+        return self.overrides + self.endorsements
 
 
 class Course:
@@ -80,18 +87,21 @@ class Course:
 
     # -- collecting
 
-    def missing(self, round_: int, episodes: int, tasks: tuple[str, ...]) -> list[Turn]:
-        """The episodes of a round that have not been watched yet."""
+    def missing(self, round_: int, episodes: range, tasks: tuple[str, ...]) -> list[Turn]:
+        """The episodes of a round that have not been watched yet.
+
+        episodes: their places among those of all rounds.
+        """
         if self._rounds() >= round_:
             return []
         there = {episode.id for episode in self._episodes()}
         turns = [
             Turn(
-                collection_seed(self.seed, (round_ - 1) * episodes + place),
+                collection_seed(self.seed, place),
                 tasks[place % len(tasks)],
-                f"r{round_}-e{place}",
+                f"r{round_}-e{number}",
             )
-            for place in range(episodes)
+            for number, place in enumerate(episodes)
         ]
         return [turn for turn in turns if turn.episode not in there]
 
@@ -119,7 +129,7 @@ class Course:
             round_ = rounds[number - 1]
             return round_ if round_.state is RoundState.RUNNING else None
         used = rounds[-1].manifest if rounds else Manifest()
-        marks, arrivals = self.store.survey(used)
+        marks, arrivals, _ = self.store.survey(used)
         stock = take_stock(arrivals, LATER_NS, 0)
         round_ = Round(
             number=number,
@@ -168,14 +178,14 @@ class Course:
         history = self.store.history(self.store.rounds()[round_ - 1].manifest)
         episodes = {one.id: one for one in history.episodes if one.id.startswith(f"r{round_}-")}
         obeyed = {one.correction for one in history.receipts if one.accepted}
-        spoken = [
-            one for one in history.corrections if one.episode in episodes and one.id in obeyed
-        ]
+        said = [one for one in history.corrections if one.episode in episodes]
+        spoken = [one for one in said if one.id in obeyed or one.kind in AFTERWARDS]
         return Effort(
             episodes=len(episodes),
             decisions=sum(one.decisions for one in episodes.values()),
             overrides=_count(spoken, Kind.OVERRIDE),
             releases=_count(spoken, Kind.RELEASE),
+            endorsements=_count(spoken, Kind.ENDORSE),
             steps=sum(one.steps for one in episodes.values()),
             successes=sum(one.success for one in episodes.values()),
         )

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from services.learner.experiments.dagger.course import Effort
-from services.learner.experiments.dagger.run import BySeed, Pace, Tried
+from services.learner.experiments.dagger.kept import BySeed, Pace
+from services.learner.experiments.dagger.run import Tried
 from services.learner.experiments.dagger.scale import MAIN, DaggerSettings
 from shared.evaluation.attempts import Row
 from shared.evaluation.summary import summarize
@@ -29,7 +30,7 @@ def figures_of(settings: DaggerSettings, tried: Tried) -> dict[str, Any]:
         "corrections_share": _corrections_share(tried.paces),
         "retention": _retention(tried, last),
         "less": {
-            name: _less(tried.rows[last], rows) for name, rows in tried.rows.items() if name != last
+            name: less(tried.rows[last], rows) for name, rows in tried.rows.items() if name != last
         },
         "people": {
             person: _people([pace for pace in tried.paces if pace.person == person])
@@ -58,14 +59,14 @@ def _arm(rows: BySeed) -> dict[str, Any]:
 
 
 def _outcomes(rows: BySeed, seeds: int) -> list[list[float]]:
-    """By training seed; what was not trained is the same for each."""
-    wide = rows if len(rows) == seeds else rows * seeds
+    """Of the first training seeds; what was not trained is the same for each."""
+    wide = rows * seeds if len(rows) == 1 else rows[:seeds]
     return [[float(row.success) for row in by_seed] for by_seed in wide]
 
 
-def _less(rows: BySeed, others: BySeed) -> dict[str, Any]:
-    """How much better the first are, on the same scenes and training seeds."""
-    seeds = max(len(rows), len(others))
+def less(rows: BySeed, others: BySeed) -> dict[str, Any]:
+    """How much better the first are, on the same scenes and the training seeds that both have."""
+    seeds = min({len(rows), len(others)} - {1}, default=1)
     mine, its = _outcomes(rows, seeds), _outcomes(others, seeds)
     gap = seeds_difference(mine, its)
     by_seed = [
@@ -110,15 +111,21 @@ def gap_closed(rows: dict[str, BySeed], rounds: int) -> dict[str, Any]:
 
 
 def _corrections_share(paces: Sequence[Pace]) -> dict[str, Any]:
-    """Overrides per 100 decisions of the collected episodes, over all rounds and by round."""
+    """Corrections per 100 decisions of the collected episodes, over all rounds and by round.
+
+    value, rounds: overrides and endorsements. with_releases: that somebody let go counts, too.
+    """
     efforts = [pace.efforts for pace in paces if pace.person == MAIN]
-    by_round = [_per_hundred(some) for some in zip(*efforts, strict=True)]
     every = [effort for some in efforts for effort in some]
-    return {"value": _per_hundred(every), "rounds": by_round}
+    return {
+        "value": _per_hundred(every),
+        "rounds": [_per_hundred(some) for some in zip(*efforts, strict=True)],
+        "with_releases": _per_hundred(every, releases=True),
+    }
 
 
-def _per_hundred(efforts: Sequence[Effort]) -> float:
-    said = sum(effort.overrides for effort in efforts)
+def _per_hundred(efforts: Sequence[Effort], *, releases: bool = False) -> float:
+    said = sum(effort.corrections + releases * effort.releases for effort in efforts)
     return round(100 * said / max(1, sum(effort.decisions for effort in efforts)), 2)
 
 
@@ -127,7 +134,7 @@ def _retention(tried: Tried, last: str) -> dict[str, Any]:
 
     unseen: here, on prompts that were never corrected in any round, after and before.
     """
-    gap = _less(tried.lab["last"], tried.lab["base"])
+    gap = less(tried.lab["last"], tried.lab["base"])
     pairs = [
         (mine.success, before.success)
         for rows, prompts in zip(tried.rows[last], tried.prompts, strict=True)
@@ -150,15 +157,16 @@ def _people(paces: Sequence[Pace]) -> list[dict[str, Any]]:
     rounds = []
     for efforts in zip(*(pace.efforts for pace in paces), strict=True):
         episodes = sum(effort.episodes for effort in efforts)
-        said = sum(effort.overrides + effort.releases for effort in efforts)
+        said = sum(effort.corrections + effort.releases for effort in efforts)
         rounds.append(
             {
                 "episodes": episodes,
                 "decisions": sum(effort.decisions for effort in efforts),
                 "overrides": sum(effort.overrides for effort in efforts),
                 "releases": sum(effort.releases for effort in efforts),
+                "endorsements": sum(effort.endorsements for effort in efforts),
                 "corrections_per_episode": round(
-                    sum(effort.overrides for effort in efforts) / max(1, episodes), 2
+                    sum(effort.corrections for effort in efforts) / max(1, episodes), 2
                 ),
                 "per_100_decisions": _per_hundred(efforts),
                 "speaking_s": round(said * SPEAK_S / len(paces), 1),

@@ -145,7 +145,7 @@ class Teacher:
             policy.bank,
             self._demonstrations,
             shown,
-            fit_settings(train, round_.seed),
+            fit_settings(train, round_.seed, len(shown)),
         )
         policy = HighLevel(policy.net, policy.bank, policy.version)
         self._save(
@@ -209,7 +209,7 @@ class Treatment:
         round_, number = place_of(episode)
         if self._arm.data == "last" and round_ != self._settings.rounds:
             return False
-        return number < self._arm.episodes * self._settings.episodes
+        return number < self._arm.episodes * self._settings.episodes[round_ - 1]
 
 
 def place_of(episode: str) -> tuple[int, int]:

@@ -1,10 +1,11 @@
 """The report of the rounds for people: tables, a picture, and what one must know to read them."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from services.learner.experiments.dagger.figures import SPEAK_S, figures_of
 from services.learner.experiments.dagger.run import Tried
-from services.learner.experiments.dagger.scale import ARMS, MAIN, DaggerSettings
+from services.learner.experiments.dagger.scale import ARMS, MAIN, PEOPLE, DaggerSettings
 from services.learner.experiments.findings import (
     Curve,
     Findings,
@@ -14,6 +15,11 @@ from services.learner.experiments.findings import (
     cell,
     curve,
     gap_cell,
+)
+
+ENDORSING = (
+    " After an episode that succeeded they say once that the rest was right, so that what π_HL "
+    "chose there is learned, too, but not what they may have begun to object to."
 )
 
 
@@ -37,10 +43,11 @@ def findings(settings: DaggerSettings, tried: Tried, site: str) -> Findings:
 
 def _method(settings: DaggerSettings) -> tuple[str, ...]:
     return (
-        f"{settings.rounds} rounds of {settings.episodes} episodes, {settings.seeds} training "
-        "seeds with scenes of their own. A scripted person knows the true state and looks at every "
-        "decision. Where the command is wrong they say the right one, which holds until they "
-        "say another or let go; where it is right they say nothing, and nothing is learned.",
+        f"{settings.rounds} rounds, of {_listed(settings.episodes)} episodes, {settings.seeds} "
+        "training seeds with scenes of their own. A scripted person knows the true state and looks "
+        "at every decision. Where the command is wrong they say the right one, which holds until "
+        "they say another or let go; where it is right they say nothing."
+        + (ENDORSING if PEOPLE[MAIN].endorse else " Nothing is learned there."),
         "After each round the high level is trained on demonstrations from the lab and on all "
         "corrections so far; the low level never changes. Every version is tried alone, on the "
         "same scenes, that nobody corrected in.",
@@ -49,12 +56,17 @@ def _method(settings: DaggerSettings) -> tuple[str, ...]:
     )
 
 
+def _listed(counts: Sequence[int]) -> str:
+    return ", ".join(map(str, counts))
+
+
 def _notes(settings: DaggerSettings) -> tuple[str, ...]:
     notes = [
         "Intervals of rates are Wilson's, which take all episodes as independent; those of "
         "differences and of the gap are by bootstrap over training seeds and scenes. p is "
         "McNemar's, exact, for each training seed; the largest is told. None is corrected for "
         "there being several.",
+        "Corrections are overrides and endorsements. "
         f"Speaking is reckoned as {SPEAK_S:.0f} s an utterance, a release included; watching is "
         "the robot's time. By hand somebody drives all the time that an episode takes; the "
         "scripted expert does so without a pause.",
@@ -130,11 +142,11 @@ def _failures_table(figures: dict[str, Any]) -> Table:
 
 def _plot(figures: dict[str, Any], settings: DaggerSettings, site: str) -> Plot:
     arms = figures["arms"]
-    rounds = range(1, settings.rounds + 1)
     curves: list[Curve] = []
     for person in settings.people:
         points = {0.0: arms["base"]}
-        points |= {float(number): arms[f"{person}, round {number}"] for number in rounds}
+        for number in settings.tried(person):
+            points[float(number)] = arms[f"{person}, round {number}"]
         curves.append(curve(person, points))
     flat = {name: arms[name] for name in ("oracle", "live")}
     curves += [

@@ -1,12 +1,17 @@
 """Runs the courses, the arms beside them, and tries every version on the same scenes."""
 
+import json
+from collections.abc import Iterator
+from contextlib import ExitStack, closing, contextmanager
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
 from services.learner.baselines.policy import ArmPlan, evaluator
 from services.learner.experiments.bench import Bench
-from services.learner.experiments.dagger.course import Course, Effort
-from services.learner.experiments.dagger.lessons import Lesson, Taught, Teacher, Teaching, slug
+from services.learner.experiments.dagger.course import Course
+from services.learner.experiments.dagger.kept import Archive, BySeed, Outcomes, Pace, bare
+from services.learner.experiments.dagger.lessons import Lesson, Taught, Teacher, Teaching
 from services.learner.experiments.dagger.scale import ARMS, MAIN, PEOPLE, DaggerSettings
 from services.learner.experiments.dagger.watching import Live, Shift, Watcher
 from shared.evaluation.attempts import Row
@@ -16,17 +21,8 @@ from shared.policies.checkpoint import CARD_FILE, bundled, load_card
 from shared.rollout.settings import RolloutSettings
 
 LAB = "lab"
-BySeed = list[list[Row]]
-"""Rows by training seed; one alone where nothing was trained."""
-
-
-class Pace(NamedTuple):
-    """What people did in the rounds of one course; staleness: see `Course`, by round."""
-
-    person: str
-    seed: int
-    efforts: tuple[Effort, ...]
-    staleness: tuple[dict[str, int], ...]
+Courses = dict[str, Course]
+"""Of one training seed, by person."""
 
 
 class Tried(NamedTuple):
@@ -44,92 +40,125 @@ class Tried(NamedTuple):
 
 
 class Run:
-    """One run of the experiment at a bench."""
+    """One run of the experiment at a bench: what nothing was trained for, then a training seed
+    after the other; see `kept`."""
 
     def __init__(self, bench: Bench, teaching: Teaching) -> None:
         self._bench, self._teaching = bench, teaching
         self._settings = teaching.settings
-        self._seeds = range(teaching.settings.seeds)
         high_level = bench.plan(high_level=bench.high_level).high_level_folder()
         self._base: Path | None = None if bench.high_level == "base" else high_level
-        self._courses = {
-            (person, seed): teaching.course(person, seed)
-            for person in self._settings.people
-            for seed in self._seeds
-        }
-
-    def close(self) -> None:
-        """Give the stores back."""
-        for course in self._courses.values():
-            course.close()
+        self._archive = Archive(bench.out / "outcomes" / bench.site)
 
     def go(self) -> Tried:
         """Do what is missing, and tell all."""
-        for course in self._courses.values():
-            course.found(self._base)
-        for number in range(1, self._settings.rounds + 1):
-            self._collect(number)
-            self._train(number)
-        taught = self._arms()
-        rows = self._everywhere()
-        lab = {"base": self._plain("base", site=LAB), "last": self._last(LAB)}
-        rounds = range(1, self._settings.rounds + 1)
-        paces = [
-            Pace(
-                person,
-                seed,
-                tuple(course.effort(number) for number in rounds),
-                tuple(course.staleness(number) for number in rounds),
+        untrained = self._archive.get("untrained", self._note(), self._untrained)
+        each = [
+            self._archive.get(f"seed-{seed}", self._note(trained=True), partial(self._seed, seed))
+            for seed in range(self._settings.seeds)
+        ]
+        rows = {name: [some] for name, some in untrained.rows.items()}
+        rows |= {name: [one.rows[name] for one in each] for name in each[0].rows}
+        if flat := self._flat():
+            rows["flat"] = flat
+        return Tried(
+            rows=rows,
+            lab={"base": [untrained.lab], "last": [one.lab for one in each]},
+            paces=[pace for one in each for pace in one.paces],
+            prompts=[frozenset(one.prompts) for one in each],
+            taught=[taught for one in each for taught in one.taught],
+        )
+
+    def _note(self, *, trained: bool = False) -> str:
+        """What outcomes hang on. trained: also on how the versions came about."""
+        plan = self._bench.plan(high_level=self._bench.high_level)
+        told = {"plan": json.loads(plan.note()), "seeds": self._bench.seeds}
+        told["person"] = PEOPLE[MAIN].model_dump(mode="json")
+        if trained:
+            told["settings"] = self._settings.model_dump(mode="json", exclude={"seeds"})
+            told["people"] = [PEOPLE[one].model_dump(mode="json") for one in self._settings.people]
+        return json.dumps(told, sort_keys=True)
+
+    def _untrained(self) -> Outcomes:
+        """What is the same for each training seed."""
+        rows = {"base": self._plain("base"), "oracle": self._plain(ORACLE), "live": self._live()}
+        return Outcomes(
+            note=self._note(),
+            rows={name: bare(some) for name, some in rows.items()},
+            lab=bare(self._plain("base", LAB)),
+        )
+
+    def _seed(self, seed: int) -> Outcomes:
+        """All rounds and arms of one training seed."""
+        with self._courses(seed) as courses:
+            for course in courses.values():
+                course.found(self._base)
+            for number in range(1, self._settings.rounds + 1):
+                self._collect(courses, number)
+                self._train(courses, number)
+            taught, last = self._arms(seed), self._settings.rounds
+            rows = self._everywhere(courses, seed)
+            lab = self._episodes(courses[MAIN], last, LAB)
+            return Outcomes(
+                note=self._note(trained=True),
+                rows={name: bare(some) for name, some in rows.items()},
+                lab=bare(lab),
+                paces=[self._pace(person, course) for person, course in courses.items()],
+                prompts=sorted(courses[MAIN].corrected_prompts(last)),
+                taught=taught,
             )
-            for (person, seed), course in self._courses.items()
-        ]
-        prompts = [
-            self._courses[MAIN, seed].corrected_prompts(self._settings.rounds)
-            for seed in self._seeds
-        ]
-        return Tried(rows, lab, paces, prompts, taught)
+
+    @contextmanager
+    def _courses(self, seed: int) -> Iterator[Courses]:
+        with ExitStack() as stack:
+            yield {
+                person: stack.enter_context(closing(self._teaching.course(person, seed)))
+                for person in self._settings.people
+            }
+
+    def _pace(self, person: str, course: Course) -> Pace:
+        rounds = range(1, self._settings.rounds + 1)
+        efforts = tuple(course.effort(number) for number in rounds)
+        return Pace(person, course.seed, efforts, tuple(map(course.staleness, rounds)))
 
     # -- rounds
 
-    def _collect(self, number: int) -> None:
+    def _collect(self, courses: Courses, number: int) -> None:
         tasks = tuple(self._bench.tasks())
         work = {
-            key: course.missing(number, self._settings.episodes, tasks)
-            for key, course in self._courses.items()
+            person: course.missing(number, self._settings.places(number), tasks)
+            for person, course in courses.items()
         }
         tell = self._bench.reporter(f"round {number}: episodes", sum(map(len, work.values())))
-        for (person, seed), turns in work.items():
-            course = self._courses[person, seed]
+        for person, turns in work.items():
+            course = courses[person]
             shift = Shift(
                 plan=self._bench.plan(high_level=str(course.version(number - 1))),
-                person=PEOPLE[person].model_copy(update={"seed": seed}),
+                person=PEOPLE[person].model_copy(update={"seed": course.seed}),
             )
             for watched in self._bench.pool.work(Watcher, shift, turns):
                 course.add(watched)
                 tell()
 
-    def _train(self, number: int) -> None:
+    def _train(self, courses: Courses, number: int) -> None:
         rounds = {
-            key: round_
-            for key, course in self._courses.items()
+            person: round_
+            for person, course in courses.items()
             if (round_ := course.begin(number, self._settings.recipe))
         }
-        lessons = [Lesson(person, seed, number) for person, seed in rounds]
+        lessons = [Lesson(person, courses[person].seed, number) for person in rounds]
         taught = self._bench.pool.work(Teacher, self._teaching, lessons)
         for done in self._bench.told(f"round {number}: training", taught, len(lessons)):
-            key = done.lesson.person, done.lesson.seed
             assert done.candidate is not None  # A round makes one.
-            self._courses[key].end(rounds[key], done.candidate)
+            person = done.lesson.person
+            courses[person].end(rounds[person], done.candidate)
 
-    def _arms(self) -> list[Taught]:
+    def _arms(self, seed: int) -> list[Taught]:
         """Train the arms that are not there yet."""
         lessons = [
-            Lesson(ARMS[name].person, seed, 0, name)
-            for name in self._settings.arms
-            if ARMS[name].person in self._settings.people
-            for seed in self._seeds
+            Lesson(ARMS[name].person, seed, 0, name) for name in self._settings.arms_of_people
         ]
-        rows = Rows(self._bench.file("arms"), Taught, self._teaching.model_dump_json())
+        rows = Rows(self._bench.file(f"arms-{seed}"), Taught, self._teaching.model_dump_json())
         found = measure(
             self._bench.pool, Teacher, self._teaching, lessons, lambda row: row.lesson, rows
         )
@@ -137,47 +166,28 @@ class Run:
 
     # -- trials
 
-    def _everywhere(self) -> dict[str, BySeed]:
-        rows = {"base": self._plain("base"), "oracle": self._plain(ORACLE), "live": self._live()}
-        for person in self._settings.people:
-            for number in range(1, self._settings.rounds + 1):
-                rows[f"{person}, round {number}"] = [
-                    self._episodes(self._courses[person, seed], person, seed, number)
-                    for seed in self._seeds
-                ]
-        for name in self._settings.arms:
-            if ARMS[name].person in self._settings.people:
-                rows[name] = [self._arm_rows(name, seed) for seed in self._seeds]
-        if flat := self._flat():
-            rows["flat"] = flat
+    def _everywhere(self, courses: Courses, seed: int) -> dict[str, list[Row]]:
+        rows = {}
+        for person, course in courses.items():
+            for number in self._settings.tried(person):
+                rows[f"{person}, round {number}"] = self._episodes(course, number)
+        for name in self._settings.arms_of_people:
+            plan = self._bench.plan(high_level=str(self._teaching.arm(name, seed)))
+            rows[name] = self._bench.episodes(f"{self._bench.site}-{name}-{seed}", plan)
         return rows
 
-    def _episodes(
-        self, course: Course, person: str, seed: int, number: int, site: str = ""
-    ) -> list[Row]:
+    def _episodes(self, course: Course, number: int, site: str = "") -> list[Row]:
         site = site or self._bench.site
         plan = self._bench.plan(high_level=str(course.version(number)), site=site)
-        return self._bench.episodes(f"{site}-{slug(person)}-{seed}-round-{number}", plan)
+        return self._bench.episodes(f"{site}-{course.folder.name}-round-{number}", plan)
 
-    def _last(self, site: str) -> BySeed:
-        number = self._settings.rounds
-        return [
-            self._episodes(self._courses[MAIN, seed], MAIN, seed, number, site)
-            for seed in self._seeds
-        ]
-
-    def _arm_rows(self, name: str, seed: int) -> list[Row]:
-        plan = self._bench.plan(high_level=str(self._teaching.arm(name, seed)))
-        return self._bench.episodes(f"{self._bench.site}-{name}-{seed}", plan)
-
-    def _plain(self, high_level: str, site: str = "") -> BySeed:
-        """Nothing is trained, so there is one."""
+    def _plain(self, high_level: str, site: str = "") -> list[Row]:
         site = site or self._bench.site
         wanted = self._bench.high_level if high_level == "base" else high_level
         plan = self._bench.plan(high_level=wanted, site=site)
-        return [self._bench.episodes(f"{site}-{high_level}", plan)]
+        return self._bench.episodes(f"{site}-{high_level}", plan)
 
-    def _live(self) -> BySeed:
+    def _live(self) -> list[Row]:
         plan = self._bench.plan(high_level=self._bench.high_level)
         shift = Shift(plan=plan, person=PEOPLE[MAIN])
         name = f"{self._bench.site}-live"
@@ -185,17 +195,24 @@ class Run:
         rows = Rows(self._bench.file(name), Row, note)
         found = measure(self._bench.pool, Live, shift, plan.cases(), _case, rows)
         told = self._bench.told(name, found, len(plan.cases()))
-        return [sorted(told, key=lambda row: row.seed)]
+        return sorted(told, key=lambda row: row.seed)
 
     def _flat(self) -> BySeed:
-        """The flat arm of `hld experiment baselines`, where its run is at hand."""
-        folders = flat_arms(self._bench.baselines)[: self._settings.seeds]
-        return [
-            self._bench.episodes(
-                f"{self._bench.site}-flat-{seed}", self._flat_plan(folder), evaluator
-            )
-            for seed, folder in enumerate(folders)
-        ]
+        """The flat arm of `hld experiment baselines`, where its run is at hand or was."""
+        folders = flat_arms(self._bench.baselines)
+        found = []
+        for seed in range(self._settings.seeds):
+            name = f"flat-{seed}"
+            if seed < len(folders) or self._archive.file(name).exists():
+                make = partial(self._flat_of, folders, seed)
+                made = self._archive.get(name, self._note(), make)
+                found.append(made.rows["flat"])
+        return found
+
+    def _flat_of(self, folders: list[Path], seed: int) -> Outcomes:
+        plan = self._flat_plan(folders[seed])
+        rows = self._bench.episodes(f"{self._bench.site}-flat-{seed}", plan, evaluator)
+        return Outcomes(note=self._note(), rows={"flat": bare(rows)})
 
     def _flat_plan(self, folder: Path) -> ArmPlan:
         rollout = RolloutSettings()

@@ -14,15 +14,17 @@ from shared.config import Settings
 
 Count = Annotated[int, Field(ge=1)]
 MAIN = "corrected"
-"""The person of the main course: speaks where something is wrong, at once, and nowhere else."""
+"""The person of the main course: speaks where something is wrong, at once, and says once, after an
+episode that succeeded, that the rest was right."""
 
 PEOPLE: dict[str, Person] = {
-    MAIN: Person(),
+    MAIN: Person(endorse=True),
+    "not endorsing": Person(),
     "approving": Person(approve=True),
-    "late 0.5 s": Person(delay_steps=25),
-    "late 1.5 s": Person(delay_steps=75),
-    "misses 20 %": Person(miss_rate=0.2),
-    "wrong 10 %": Person(wrong_phrase_rate=0.1),
+    "late 0.5 s": Person(endorse=True, delay_steps=25),
+    "late 1.5 s": Person(endorse=True, delay_steps=75),
+    "misses 20 %": Person(endorse=True, miss_rate=0.2),
+    "wrong 10 %": Person(endorse=True, wrong_phrase_rate=0.1),
 }
 LATE = "late 1.5 s"
 
@@ -44,9 +46,15 @@ class Arm(NamedTuple):
 
 
 def _share(share: float) -> Callable[[Recipe], Recipe]:
-    return lambda recipe: recipe.model_copy(
-        update={"train": recipe.train.model_copy(update={"correction_share": share})}
-    )
+    """Another share by as many updates, so that the share alone is compared."""
+
+    def changed(recipe: Recipe) -> Recipe:
+        train = recipe.train
+        epochs = train.epochs * share / train.correction_share
+        update = {"correction_share": share, "epochs": epochs}
+        return recipe.model_copy(update={"train": train.model_copy(update=update)})
+
+    return changed
 
 
 def _labels(**changes: object) -> Callable[[Recipe], Recipe]:
@@ -56,14 +64,14 @@ def _labels(**changes: object) -> Callable[[Recipe], Recipe]:
 
 
 ARMS: dict[str, Arm] = {
-    "together": Arm("all corrections at once"),
+    "together": Arm("all corrections at once, share .5"),
     "shuffled": Arm("shuffled corrections", data="shuffled"),
     "lab": Arm("as many demonstrations in the lab", data="lab"),
     "site": Arm("as many demonstrations here", data="site"),
     "last": Arm("last round only", data="last"),
     "share-0.1": Arm("share .1", recipe=_share(0.1)),
     "share-0.3": Arm("share .3", recipe=_share(0.3)),
-    "share-0.5": Arm("share .5", recipe=_share(0.5)),
+    "share-0.8": Arm("share .8", recipe=_share(0.8)),
     "episodes-0.1": Arm("the first .1 of the episodes", episodes=0.1),
     "episodes-0.25": Arm("the first .25 of the episodes", episodes=0.25),
     "episodes-0.5": Arm("the first .5 of the episodes", episodes=0.5),
@@ -74,13 +82,12 @@ ARMS: dict[str, Arm] = {
 
 
 class DaggerSettings(Settings):
-    """episodes: of a round. rounds: of each course. seeds: of training.
+    """episodes: of each round. seeds: of training.
 
     people, arms: by their names above. recipe: of every round.
     """
 
-    episodes: Count
-    rounds: Count = 3
+    episodes: Annotated[tuple[Count, ...], Field(min_length=1)]
     seeds: Count
     people: tuple[str, ...]
     arms: tuple[str, ...]
@@ -91,8 +98,32 @@ class DaggerSettings(Settings):
         gate=GateSettings(held_out_share=0.0),
     )
 
+    @property
+    def rounds(self) -> int:
+        """Of each course."""
+        return len(self.episodes)
+
+    @property
+    def arms_of_people(self) -> list[str]:
+        """The arms whose person is here."""
+        return [name for name in self.arms if ARMS[name].person in self.people]
+
+    def places(self, number: int) -> range:
+        """Of the episodes of a round, counted from 1, among all of a course."""
+        first = sum(self.episodes[: number - 1])
+        return range(first, first + self.episodes[number - 1])
+
+    def tried(self, person: str) -> range:
+        """Rounds after which a version is tried: each of the main person's, the last of others'."""
+        return range(1 if person == MAIN else self.rounds, self.rounds + 1)
+
 
 SMALL = DaggerSettings(
-    episodes=20, seeds=1, people=(MAIN,), arms=("together", "shuffled", "lab", "site")
+    episodes=(20, 20, 20), seeds=1, people=(MAIN,), arms=("together", "shuffled", "lab", "site")
 )
-FULL = DaggerSettings(episodes=40, seeds=3, people=tuple(PEOPLE), arms=tuple(ARMS))
+FULL = DaggerSettings(
+    episodes=(40, 80, 80),
+    seeds=3,
+    people=(MAIN, "late 0.5 s", LATE, "misses 20 %", "wrong 10 %"),
+    arms=tuple(ARMS),
+)

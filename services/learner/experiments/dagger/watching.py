@@ -29,8 +29,6 @@ from shared.workcell import person
 from shared.workcell.person import Habits
 from shared.workcell.station import Station
 
-SPOKEN = (Kind.OVERRIDE, Kind.RELEASE)
-"""What takes a person's time; that they look on and say nothing doesn't."""
 Said = Decision | Correction | Receipt | Episode
 
 
@@ -40,11 +38,13 @@ class Person(Habits):
     delay_steps: control steps from a decision to the effect of what is said about it.
     hold_steps: how long an override holds; None: until it is released.
     approve: say so where a command is right, at each decision; else nothing is said there.
+    endorse: say once, after an episode that succeeded, that the rest was right.
     """
 
     delay_steps: Annotated[int, Field(ge=0, le=10_000)] = 0
     hold_steps: Annotated[int, Field(ge=1, le=100_000)] | None = None
     approve: bool = False
+    endorse: bool = False
 
 
 class Shift(Settings):
@@ -75,6 +75,7 @@ class Watched(NamedTuple):
     turn: Turn
     prompt: str
     success: bool
+    progress: float
     steps: int
     decisions: int
     said: dict[str, int]
@@ -133,10 +134,14 @@ class Watcher:
                 ended_ns=clock.now_ns(),
             )
         )
+        if rollout.done and self._shift.person.endorse:
+            messages.append(self._endorse(turn.episode, rollout.step, clock.now_ns()))
+            said[str(Kind.ENDORSE)] += 1
         return Watched(
             turn,
             scene.prompt,
             rollout.done,
+            round(self._station.progress, 4),
             rollout.step,
             rollout.decisions,
             dict(said),
@@ -151,6 +156,7 @@ class Watcher:
             task=case.task,
             prompt=watched.prompt,
             success=watched.success,
+            progress=watched.progress,
             steps=watched.steps,
             decisions=watched.decisions,
             asked=watched.said,
@@ -193,6 +199,20 @@ class Watcher:
             delay_steps=person_.delay_steps,
             begun_ns=decision.time_ns,
             created_ns=decision.time_ns,
+        )
+
+    def _endorse(self, episode: str, steps: int, now_ns: int) -> Correction:
+        """That all the rest of an episode was right; no robot has to hear it."""
+        return Correction(
+            id=f"{Kind.ENDORSE}-{episode}"[:64],
+            robot=self._shift.robot,
+            episode=episode,
+            kind=Kind.ENDORSE,
+            author="oracle",
+            first_step=0,
+            end_step=max(1, steps),
+            begun_ns=now_ns,
+            created_ns=now_ns,
         )
 
     def close(self) -> None:

@@ -1,0 +1,1 @@
+"""Measured reports that come with the service; the README of the project has the same figures."""

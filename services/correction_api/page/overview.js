@@ -1,0 +1,76 @@
+// The head of the live page: besides what all pages show, the learner, success so far, who asks for
+// help, and the keys.
+import { ACTIONS, toggleHelp } from "./actions.js";
+import { Head } from "./head.js";
+import { html } from "./html.js";
+import { aria, keyOf, shown } from "./keymap.js";
+import { state } from "./store.js";
+import { count } from "./words.js";
+
+export function Overview() {
+  const told = html`<${Learner} learner=${state.learner} /><${Tally} tally=${state.tally} />`;
+  const keys = html`
+    <button class="help" onClick=${toggleHelp} aria-keyshortcuts=${aria("help")}>
+      Keys<kbd aria-hidden="true">${shown(keyOf("help"))}</kbd>
+    </button>
+  `;
+  return html`<${Head} here="./" told=${told} first=${html`<${InDoubt} help=${state.help} />`} last=${keys} />`;
+}
+
+function InDoubt({ help }) {
+  if (!help.asking.length) return null;
+  return html`
+    <button class="in-doubt" onClick=${ACTIONS.next.down} aria-keyshortcuts=${aria("next")}>
+      ${help.asking.length} in doubt<kbd aria-hidden="true">${shown(keyOf("next"))}</kbd>
+    </button>
+  `;
+}
+
+function Learner({ learner }) {
+  if (!learner || learner.presence === "unseen") {
+    return html`<p class="learner"><span class="doing idle">no learner heard of</span></p>`;
+  }
+  const does = learner.presence === "online" ? learner.state : learner.presence;
+  const works = ["training", "judging"].includes(does);
+  return html`
+    <p class="learner" title=${learner.reason}>
+      <span class=${`doing ${does}`}>learner ${does}</span>
+      ${works && html`<progress max="1" value=${learner.progress} aria-label=${does} />`}
+      <span class="facts">
+        version <b>${learner.version}</b> · ${count(learner.corrections, "correction")} since
+        ${learner.outbox > 0 && ` · ${learner.outbox} wait`}
+      </span>
+    </p>
+  `;
+}
+
+/** A version keeps its number when another learner takes over the store, and its success. */
+function named(tally) {
+  const known = new Map();
+  for (const { version, episodes, successes } of tally) {
+    const number = version.split(".")[1];
+    const before = known.get(number) ?? { episodes: 0, successes: 0 };
+    known.delete(number);
+    const sum = { episodes: episodes + before.episodes, successes: successes + before.successes };
+    known.set(number, { version, ...sum });
+  }
+  return [...known.values()];
+}
+
+function Tally({ tally }) {
+  if (!tally.length) return null;
+  return html`
+    <ul class="tally" aria-label="Success so far by version">
+      ${named(tally).slice(-2).map(({ version, episodes, successes }) => {
+        const rate = successes / episodes;
+        return html`
+          <li key=${version} title=${`${successes} of ${episodes} episodes`}>
+            <span>${version}</span>
+            <meter min="0" max="1" value=${rate} aria-label=${`success of ${version}`} />
+            <b>${Math.round(100 * rate)} %</b>
+          </li>
+        `;
+      })}
+    </ul>
+  `;
+}

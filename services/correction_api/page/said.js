@@ -1,0 +1,82 @@
+// What was said about the robot in focus, and where each of it stands.
+import { mine, takeBack, takenBack } from "./actions.js";
+import { html } from "./html.js";
+import { lesson } from "./lineage.js";
+import { author, state, tell } from "./store.js";
+import { named, overruled, over, standing } from "./words.js";
+
+const clock = (ms) => new Date(ms).toLocaleTimeString([], { hour12: false });
+
+export function Said({ robot }) {
+  const gone = takenBack();
+  const waiting = Object.values(state.sending)
+    .filter((one) => one.robot === robot.robot)
+    .sort((one, other) => other.at - one.at);
+  const views = state.corrections[robot.robot] ?? [];
+  const resumes = views.filter(
+    ({ correction, status }) => correction.kind === "resume" && status === "in force",
+  );
+  const now = { robot, resumes };
+  return html`
+    <section class="said" aria-label=${`Said about ${robot.robot}`}>
+      <h3>Said</h3>
+      <ol>
+        ${waiting.map((one) => html`<${Unsent} key=${one.id} one=${one} />`)}
+        ${views.map((view) => html`<${Line} key=${view.correction.id} ...${{ view, gone, now }} />`)}
+      </ol>
+      ${!waiting.length && !views.length && html`<p class="none">Nothing has been said yet.</p>`}
+    </section>
+  `;
+}
+
+function Unsent({ one }) {
+  return html`
+    <li class=${one.status}>
+      <span class="what">${named(one.words)}</span>
+      <span class="where">${standing(one)}</span>
+      <small>you · ${clock(one.at)}</small>
+    </li>
+  `;
+}
+
+function Line({ view, gone, now }) {
+  const { correction, status } = view;
+  const back = gone.has(correction.id);
+  const who = correction.author === author() ? "you" : correction.author;
+  const { words, lost } = back ? { words: "" } : lesson(view);
+  const learned = view.learned_in && (lost ? "lost" : "learned");
+  const stands = over(view, now) ? "over" : status.replace(" ", "-");
+  const mark = back ? "taken" : (learned ?? stands);
+  return html`
+    <li class=${mark}>
+      <span class="what">${back ? html`<s>${named(correction)}</s>` : named(correction)}</span>
+      <span class="where">${standing(view, words, now)}${back && " · taken back"}${fresh(view)}</span>
+      <small>${who} · ${clock(correction.created_ns / 1e6)}</small>
+      ${mine(view, gone) &&
+      html`
+        <button
+          class="back"
+          aria-label=${`Take back ${named(correction)}`}
+          title="Take back"
+          onClick=${() => takeBack(view)}
+        >
+          ↶
+        </button>
+      `}
+    </li>
+  `;
+}
+
+const told = new Set(); // of whom it was said that they were overruled
+
+/** Say so, when somebody else's word came to hold instead of one's own. */
+export function watchOverruled({ type, correction: view }) {
+  const by = type === "correction" && view.replaced_by;
+  const own = by && view.correction.author === author() && by.author !== author();
+  if (!own || told.has(view.correction.id)) return;
+  told.add(view.correction.id);
+  tell(...overruled(view));
+}
+
+const fresh = ({ phrase, learned_in }) =>
+  phrase && !phrase.known && !learned_in ? " · new to the policy" : "";

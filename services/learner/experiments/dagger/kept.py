@@ -1,0 +1,92 @@
+"""What came of each training seed, in a file each: small enough to be carried elsewhere.
+
+A run takes hours, weights and stores are large, and what the report needs of them is little. So a
+run that goes on in another place needs these files alone, and doesn't do again what is in them.
+"""
+
+import gzip
+import zlib
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from services.learner.experiments.dagger.course import Effort
+from services.learner.experiments.dagger.lessons import Taught
+from shared.errors import HldError
+from shared.evaluation.attempts import Row
+
+BySeed = list[list[Row]]
+"""Rows by training seed; one alone where nothing was trained."""
+
+
+class Pace(NamedTuple):
+    """What people did in the rounds of one course; staleness: see `Course`, by round."""
+
+    person: str
+    seed: int
+    efforts: tuple[Effort, ...]
+    staleness: tuple[dict[str, int], ...]
+
+
+class Outcomes(BaseModel):
+    """What was found, without the attempts in the rows.
+
+    note: what it hangs on. rows: by the arm's name. lab: the same in the lab, after the last round
+    or before the first. prompts: that were corrected. taught: what the arms learned from.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    note: str
+    rows: dict[str, list[Row]]
+    lab: list[Row] = []
+    paces: list[Pace] = []
+    prompts: list[str] = []
+    taught: list[Taught] = []
+
+
+class Archive:
+    """The folder of these files."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+
+    def file(self, name: str) -> Path:
+        """Where outcomes of this name lie."""
+        return self._folder / f"{name}.json.gz"
+
+    def get(self, name: str, note: str, make: Callable[[], Outcomes]) -> Outcomes:
+        """Those that are there, else those that are made now and kept.
+
+        Raises:
+            HldError: what is there can't be read, or hangs on something else.
+        """
+        file = self.file(name)
+        if file.exists():
+            return self._read(file, note)
+        made = make()
+        self._folder.mkdir(parents=True, exist_ok=True)
+        beside = file.with_name(f"unfinished-{file.name}")
+        # No time in it: equal outcomes give equal files.
+        beside.write_bytes(gzip.compress(made.model_dump_json().encode(), mtime=0))
+        beside.replace(file)
+        return made
+
+    def _read(self, file: Path, note: str) -> Outcomes:
+        try:
+            found = Outcomes.model_validate_json(gzip.decompress(file.read_bytes()))
+        except (OSError, EOFError, zlib.error, ValidationError) as error:
+            raise HldError(f"{file} holds no outcomes ({error}): move it away") from None
+        if found.note != note:
+            raise HldError(
+                f"{file} comes from other settings, scenes or policies than these: move it away, "
+                "or name another --out"
+            )
+        return found
+
+
+def bare(rows: list[Row]) -> list[Row]:
+    """Without what was attempted in them."""
+    return [row.model_copy(update={"attempts": ()}) for row in rows]

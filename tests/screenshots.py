@@ -1,0 +1,70 @@
+"""The pictures of the README, of a service that runs beside it.
+
+`player` and `progress` while `hld up --oracle --rounds 3 --episodes 12 --evaluate 10` is in its
+third round, `live` while `hld up` goes on with the same data in real time.
+"""
+
+import re
+from pathlib import Path
+from typing import Annotated
+
+import httpx
+import typer
+from playwright.sync_api import Page, expect
+
+from tests.integration.correction_api.browsing import DESK, launched, take_proposal
+
+EPISODES = "api/v1/episodes?corrected=true&success=true&task=sandwich&version=1.0&limit=1"
+EPISODE_MS = 120_000
+
+
+def live(page: Page) -> None:
+    """A robot that obeys a person, who asks for something that the prompt names."""
+    expect(page.locator("canvas.drawn").first).to_be_visible()
+    step = page.locator(".focus .facts b").first
+    expect(step).to_have_text(re.compile(r"^\d\d$"), timeout=EPISODE_MS)  # Nothing is done yet.
+    prompt = page.locator(".prompt").inner_text()
+    take_proposal(page, fits=lambda text: text.startswith("pick") and text.split()[-1] in prompt)
+    expect(page.locator(".who")).to_have_text("told by person")
+
+
+def player(page: Page) -> None:
+    """A decision at which a person spoke, and a stretch that somebody judges."""
+    expect(page.locator(".timeline image").first).to_be_attached()
+    for key in (".", ".", "."):
+        page.keyboard.press(key)
+    expect(page.locator("figure.still img")).to_have_count(2)
+
+
+def progress(page: Page) -> None:
+    """Curves and figures."""
+    expect(page.locator(".curves canvas")).to_have_count(2)
+
+
+def main(
+    names: Annotated[list[str], typer.Argument(help="live, player or progress")],
+    url: Annotated[str, typer.Option(help="where the page is")] = "http://127.0.0.1:8000/",
+    out: Annotated[Path, typer.Option(help="folder of the pictures")] = Path("docs"),
+) -> None:
+    """Write docs/NAME.jpg for each of them."""
+    (episode,) = httpx.get(f"{url}{EPISODES}").raise_for_status().json()["episodes"]
+    pages = {
+        "live": ("", live),
+        "player": (f"episode.html?id={episode['id']}", player),
+        "progress": ("progress.html", progress),
+    }
+    with launched() as browser:
+        for name in names:
+            path, bring = pages[name]
+            page = browser.new_page(
+                viewport={"width": DESK[0], "height": DESK[1]}, reduced_motion="reduce"
+            )
+            page.goto(url + path)
+            bring(page)
+            page.wait_for_load_state("networkidle")
+            page.screenshot(path=out / f"{name}.jpg", type="jpeg", quality=76)
+            page.close()
+
+
+if __name__ == "__main__":
+    typer.run(main)
