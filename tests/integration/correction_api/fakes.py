@@ -150,6 +150,7 @@ class FakeRobot:
 
     def beat(self) -> None:
         """Give a sign of life, and in an episode a picture for each camera that is watched."""
+        episode = self.episode  # Once: a test may end it in the middle of this.
         heartbeat = RobotHeartbeat(
             robot=self.name,
             actor="actor-1",
@@ -158,7 +159,7 @@ class FakeRobot:
             task="sandwich",
             prompt="make a sandwich with cheese and tomato",
             site="far",
-            episode=self.episode,
+            episode=episode,
             number=1,
             step=self.step,
             command=LanguageGoal(text=self.command),
@@ -168,19 +169,25 @@ class FakeRobot:
             help=self.help,
         )
         self.bus.put(robot_key(FLEET, self.name, "heartbeat"), encode(heartbeat))
-        if self.episode is None:
+        if episode is None:
             return
         for camera in CAMERAS:
             for rate in Rate:
                 if self.bus.watched(robot_key(FLEET, self.name, Channel(camera, rate).message)):
-                    self.show(camera, rate=rate)
+                    self.show(camera, rate=rate, episode=episode)
 
-    def show(self, camera: str, size: tuple[int, int] = (48, 64), rate: Rate = Rate.FULL) -> None:
-        """Publish a picture."""
+    def show(
+        self,
+        camera: str,
+        size: tuple[int, int] = (48, 64),
+        rate: Rate = Rate.FULL,
+        episode: str | None = None,
+    ) -> None:
+        """Publish a picture. episode: None: the current one."""
         noise = np.random.default_rng(self.step).integers(0, 255, (*size, 3), np.uint8)
         frame = Frame(
             robot=self.name,
-            episode=self.episode,
+            episode=episode or self.episode,
             step=self.step,
             camera=camera,
             sequence=self.step,
