@@ -1,5 +1,6 @@
 """A correction that is in force or about to be: what holds, since when, until when."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 from shared.messages.correction import Correction
@@ -11,12 +12,20 @@ class Override(NamedTuple):
 
     correction: the id of the correction. begin: the first control step that obeys it.
     end: the first control step that no longer does; None holds until released.
+    said: its goal as it was said. edits: what it was put otherwise by, with the goals; the last
+        one counts.
     """
 
     correction: str
-    goal: Goal
+    said: Goal
     begin: int
     end: int | None
+    edits: tuple[tuple[str, Goal], ...] = ()
+
+    @property
+    def goal(self) -> Goal:
+        """What is to be done."""
+        return self.edits[-1][1] if self.edits else self.said
 
     def over(self, step: int) -> bool:
         """It has expired by control step `step`."""
@@ -80,13 +89,24 @@ class Overrides:
         Returns it where it holds.
         """
         assert edit.goal is not None  # Its model says so.
-        for place, coming in enumerate(self._coming):
-            if coming.correction == edit.target:
-                self._coming[place] = coming._replace(goal=edit.goal)
-        if self.held is None or self.held.correction != edit.target:
+        added = ((edit.id, edit.goal),)
+        return self._amend(
+            lambda one: one.edits + added if one.correction == edit.target else one.edits
+        )
+
+    def unsay(self, edit: str | None) -> Override | None:
+        """An edit that should not have been said: its target is put again as it was before.
+
+        Returns it where it holds.
+        """
+        return self._amend(lambda one: tuple(kept for kept in one.edits if kept[0] != edit))
+
+    def _amend(self, edits: Callable[[Override], tuple[tuple[str, Goal], ...]]) -> Override | None:
+        self._coming = [coming._replace(edits=edits(coming)) for coming in self._coming]
+        if self.held is None:
             return None
-        self.held = self.held._replace(goal=edit.goal)
-        return self.held
+        before, self.held = self.held, self.held._replace(edits=edits(self.held))
+        return self.held if self.held.edits != before.edits else None
 
     def expire(self, step: int) -> bool:
         """Let go what has expired; True if something did."""

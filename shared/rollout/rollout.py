@@ -24,7 +24,7 @@ from shared.rollout.answering import Moment, answer, objection
 from shared.rollout.asking import Asking, Question
 from shared.rollout.choosing import Choosing
 from shared.rollout.looks import Looks
-from shared.rollout.override import Overrides, override_of
+from shared.rollout.override import Override, Overrides, override_of
 from shared.rollout.robot import HighLevel, LowLevel, Robot, Scene
 from shared.rollout.settings import RolloutSettings
 from shared.rollout.thinking import Proposals, Thinking
@@ -245,28 +245,28 @@ class Rollout:
         if replaced:
             self._give_back()
             self._ask_again()
+        else:
+            self._put_otherwise(self._overrides.unsay(correction.target))
         return self._receipt(correction, self.step, replaced)
 
     def _edit(self, correction: Correction) -> Receipt:
         held = self._overrides.reword(correction)
+        self._put_otherwise(held)
+        return self._receipt(correction, self.step, held and held.correction)
+
+    def _put_otherwise(self, held: Override | None) -> None:
         if held:
             self._enforce(held.goal, held.correction)
             self._ask_again()
-        return self._receipt(correction, self.step, held and held.correction)
 
     _OBEY = {
         Kind.OVERRIDE: _override,
         Kind.RELEASE: _release,
-        Kind.APPROVE: _approve,
-        Kind.PASS: _approve,
-        Kind.PAUSE: _pause,
-        Kind.RESUME: _pause,
         Kind.RETRACT: _retract,
         Kind.EDIT: _edit,
-        Kind.RETIME: _approve,
-        Kind.RELABEL: _approve,
-        Kind.FAULT: _approve,
-        Kind.ENDORSE: _approve,
+        **dict.fromkeys((Kind.PAUSE, Kind.RESUME), _pause),
+        **dict.fromkeys((Kind.APPROVE, Kind.PASS), _approve),
+        **dict.fromkeys((Kind.RETIME, Kind.RELABEL, Kind.FAULT, Kind.ENDORSE), _approve),
     }
 
     def _acquit(self, correction: Correction) -> None:

@@ -63,6 +63,26 @@ def test_an_edit_of_what_is_about_to_hold_changes_what_will():
     assert [int(action[0]) for action in robot.actions] == [4, 4, 9, 9]
 
 
+def test_an_edit_that_is_retracted_gives_the_words_before_it_back():
+    robot = CountingRobot()
+    rollout = rollout_of("left", robot=robot)
+    rollout.advance()
+    first = said(Kind.OVERRIDE, "up", hold_steps=6)
+    rollout.correct(first)
+    advance(rollout, 1)
+    edits = [said(Kind.EDIT, text, target=first.id) for text in ("down", "rightward")]
+    for edit in edits:
+        rollout.correct(edit)
+    advance(rollout, 1)
+    # The one that no longer counts changes nothing; the override holds on, so it isn't replaced.
+    assert rollout.correct(said(Kind.RETRACT, target=edits[0].id)).replaced is None
+    advance(rollout, 1)
+    assert rollout.correct(said(Kind.RETRACT, target=edits[1].id)).replaced is None
+    assert (rollout.command.text, rollout.chosen_by) == ("up", first.id)
+    advance(rollout, 4)
+    assert [int(action[0]) for action in robot.actions] == [4] + [2] + [9] * 2 + [2] * 3 + [4]
+
+
 def test_an_edit_is_refused_only_where_the_robot_would_have_to_do_it():
     rollout = rollout_of("left", low_level=KnowingLowLevel(knows=("left", "up")))
     rollout.advance()

@@ -47,19 +47,22 @@ def named(told, about):
 
 def in_force(step, told):
     """The override that holds at `step`, from corrections and receipts alone."""
-    text = holder = end = None
+    wordings, holder, end = {}, None, None
     for correction, receipt in told:
         if not receipt.accepted or receipt.step > step:
             continue
         if end is not None and receipt.step >= end:
-            text = holder = end = None
+            wordings, holder, end = {}, None, None
         if correction.kind is Kind.OVERRIDE:
-            text, holder = correction.goal.text, correction.id
+            wordings, holder = {correction.id: correction.goal.text}, correction.id
             end = receipt.step + correction.hold_steps if correction.hold_steps else None
         elif correction.kind is Kind.EDIT and correction.target == holder:
-            text = correction.goal.text
+            wordings[correction.id] = correction.goal.text
         elif correction.kind is Kind.RELEASE or (
             correction.kind is Kind.RETRACT and correction.target == holder
         ):
-            text = holder = end = None
-    return None if end is not None and step >= end else text
+            wordings, holder, end = {}, None, None
+        elif correction.kind is Kind.RETRACT:
+            wordings.pop(correction.target, None)
+    over = not wordings or (end is not None and step >= end)
+    return None if over else list(wordings.values())[-1]
