@@ -24,7 +24,8 @@ class TrainSettings(Settings):
     batch, lr, frozen_encoder: as in `shared.policies.fit.FitSettings`.
     correction_share: of each batch, from what people said in all rounds so far; the rest are
         demonstrations.
-    threads: of torch. nice: how much the training yields to robots on the same machine.
+    threads: of torch; by another number the weights differ in their last bits. nice: how much the
+        training yields to robots on the same machine.
     """
 
     start: Literal["in-force", "base"] = "in-force"
@@ -35,7 +36,7 @@ class TrainSettings(Settings):
     lr: Annotated[float, Field(gt=0, le=1)] = 1e-3
     frozen_encoder: bool = False
     correction_share: Annotated[float, Field(gt=0, lt=1)] = 0.5
-    threads: Annotated[int, Field(ge=1)] = 1
+    threads: Annotated[int, Field(ge=1)] = 2
     nice: Annotated[int, Field(ge=0, le=19)] = 5
 
     def updates(self, labels: int) -> int:

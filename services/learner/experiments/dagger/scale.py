@@ -94,7 +94,7 @@ class DaggerSettings(Settings):
     recipe: Recipe = Recipe(
         labels=LabelSettings(),
         balance=BalanceSettings(),
-        train=TrainSettings(),
+        train=TrainSettings(threads=1),  # Each of the pool's processes has a core.
         gate=GateSettings(held_out_share=0.0),
     )
 
