@@ -12,7 +12,6 @@ from rich.console import Console
 
 from shared.config import exit_misconfigured, make_folder
 from shared.errors import ConfigError, HldError
-from shared.seeds import EVALUATION
 from shared.service import run_command
 
 HOLDING_STEPS = 240
@@ -22,7 +21,7 @@ HOLDING_STEPS = 240
 def main(
     phrase: Annotated[str, typer.Argument(help="what is said, such as 'grab the cheese'")],
     task: Annotated[str, typer.Option(help="whose scene it is")] = "sandwich",
-    seed: Annotated[int, typer.Option(min=0, help="the scene, counted as in hld evaluate")] = 0,
+    seed: Annotated[int, typer.Option(help="the scene, counted as in hld evaluate")] = 0,
     holding: Annotated[str, typer.Option(help="the thing that a hand holds at first")] = "",
     lead: Annotated[int, typer.Option(min=0, help="skills of the task done before")] = 0,
     site: Annotated[str, typer.Option(help="settings file of the cell")] = "lab",
@@ -34,10 +33,12 @@ def main(
 ) -> None:
     """One phrase, one scene: what was understood, or why it is refused, and what was done."""
     from shared.evaluation.phrase import Phrases, Said, Speaker, Trial
+    from shared.evaluation.plan import evaluation_seed
     from shared.evaluation.scene import Setting
 
     try:
-        setting = Setting(seed=EVALUATION.start + seed, task=task, holding=holding, lead=lead)
+        scene = evaluation_seed(seed)
+        setting = Setting(seed=scene, task=task, holding=holding, lead=lead)
         if not phrase.strip():
             raise ConfigError("say something, such as 'pick up the cheese'")
         if report:

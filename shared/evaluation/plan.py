@@ -116,6 +116,20 @@ def parse_seeds(text: str) -> tuple[int, int]:
     )
 
 
+def evaluation_seed(number: int) -> int:
+    """The seed of an evaluation scene, counted from the first one as in `parse_seeds`.
+
+    Raises:
+        ConfigError: there is no such seed.
+    """
+    if 0 <= number < len(EVALUATION):
+        return EVALUATION[number]
+    raise ConfigError(
+        f"--seed takes one of the evaluation seeds, 0 to {len(EVALUATION) - 1}, such as 3 for the "
+        f"fourth scene of hld evaluate, not {number}"
+    )
+
+
 def find_high_level(name: str, data: Path) -> str:
     """What `Plan.high_level` takes, for a name as people say it.
 

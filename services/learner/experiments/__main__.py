@@ -34,8 +34,13 @@ def main(
     ] = None,
     scale: Annotated[str, typer.Option(help="small: a minute, to try it; full: to learn")] = "full",
     seeds: Annotated[str, typer.Option(help="A:B, from the first evaluation seed")] = "",
-    n: Annotated[int, typer.Option(min=0, help="short for --seeds 0:N")] = 0,
-    site: Annotated[str, typer.Option(help="settings file of the cell; lab, dagger: far")] = "",
+    n: Annotated[
+        Optional[int],
+        typer.Option(min=1, help="short for --seeds 0:N; as many as the scale has"),
+    ] = None,
+    site: Annotated[
+        str, typer.Option(help="settings file of the cell; lab, but for dagger far")
+    ] = "",
     high_level: Annotated[
         str,
         typer.Option(
@@ -69,7 +74,7 @@ def main(
         if n and seeds:
             raise ConfigError(f"--n {n} is short for --seeds 0:{n}: say one of the two")
         wanted = parse_seeds(seeds or f"0:{n or some}")
-        experiment.accept(high_level, low_level)
+        experiment.accept(high_level, low_level, baselines)
         high_level = high_level or "base"
         learned = find_high_level(high_level, data) if experiment.learned else ORACLE
         site = site or experiment.site

@@ -1,6 +1,7 @@
 """The experiments by name; a new one is a module beside these and a line here."""
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import NamedTuple
 
 from services.learner.experiments import (
@@ -13,6 +14,7 @@ from services.learner.experiments import (
     transitions,
 )
 from services.learner.experiments.bench import Bench
+from services.learner.experiments.dagger.run import flat_arms
 from services.learner.experiments.findings import Findings
 from shared.errors import ConfigError, nearest
 
@@ -20,7 +22,8 @@ from shared.errors import ConfigError, nearest
 class Experiment(NamedTuple):
     """small, full: scenes for each cell of its tables, at either scale.
     learned: whether it tries a learned high level that is given to it. low_level: whether it tries
-    a low level that is; else it trains its own. site: where, unless told.
+    a low level that is; else it trains its own. baselines: whether it tries an arm of a run of the
+    baselines. site: where, unless told.
     """
 
     run: Callable[[Bench], Findings]
@@ -28,18 +31,28 @@ class Experiment(NamedTuple):
     full: int
     learned: bool = False
     low_level: bool = True
+    baselines: bool = False
     site: str = "lab"
 
-    def accept(self, high_level: str, low_level: str) -> None:
+    def accept(self, high_level: str, low_level: str, baselines: Path | None = None) -> None:
         """Refuse a policy that would not be tried; "": none was named.
 
+        baselines: folder of a run of the baselines, if one was named.
         Raises:
-            ConfigError: one was named; the message says which experiments try one.
+            ConfigError: one was named; the message says which experiments try one. Or no run of
+                the baselines with a flat arm lies in the folder.
         """
         if high_level and not self.learned:
             raise ConfigError(f"--high-level has no effect here, only for {_names('learned')}")
         if low_level and not self.low_level:
             raise ConfigError(f"--low-level has no effect here, only for {_names('low_level')}")
+        if baselines and not self.baselines:
+            raise ConfigError(f"--baselines has no effect here, only for {_names('baselines')}")
+        if baselines and not flat_arms(baselines):
+            raise ConfigError(
+                f"no flat arm in --baselines {baselines}: it takes the --out of "
+                "`hld experiment baselines`, where fits-*/flat-* lie once they are trained"
+            )
 
 
 EXPERIMENTS = {
@@ -47,7 +60,7 @@ EXPERIMENTS = {
     "language": Experiment(language.run, small=2, full=100),
     "horizon": Experiment(horizon.run, small=1, full=60, learned=True),
     "baselines": Experiment(baselines.run, small=6, full=40, low_level=False),
-    "dagger": Experiment(dagger.run, small=60, full=200, learned=True, site="far"),
+    "dagger": Experiment(dagger.run, small=60, full=200, learned=True, baselines=True, site="far"),
     "replanning": Experiment(replanning.run, small=1, full=60, learned=True),
     "transitions": Experiment(transitions.run, small=1, full=120, learned=True),
 }

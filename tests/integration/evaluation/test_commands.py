@@ -135,10 +135,15 @@ def test_an_experiment_writes_its_report_for_machines_and_for_people(tmp_path):
         (experiments.main, ("skills", "--out", "x", "--n", "3", "--seeds", "0:9"), "--seeds 0:3"),
         (say.main, (" ",), "pick up the cheese"),
         (say.main, ("put it down", "--holding", "hamm"), "ham"),
+        (say.main, ("put it down", "--seed", "140000000"), "0 to 139999999"),
+        (say.main, ("put it down", "--seed", "-1"), "0 to 139999999"),
         (experiments.main, ("skill", "--out", "x"), "skills"),
         (experiments.main, ("skills", "--out", "x", "--scale", "huge"), "full"),
         (experiments.main, ("skills", "--out", "x", "--high-level", "base"), "horizon"),
         (experiments.main, ("baselines", "--out", "x", "--low-level", "y"), "skills"),
+        (experiments.main, ("skills", "--out", "x", "--n", "0"), "or equal to 1"),
+        (experiments.main, ("horizon", "--out", "x", "--baselines", "y"), "only for dagger"),
+        (experiments.main, ("dagger", "--out", "x", "--baselines", "y"), "fits-*/flat-*"),
     ],
 )
 def test_bad_input_is_an_error_that_says_what_would_be_right(command, arguments, words):

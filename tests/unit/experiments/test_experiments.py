@@ -9,6 +9,7 @@ from services.learner.experiments.scenes import setting_for
 from services.learner.pretrain.everyday import sealed, writings
 from services.learner.pretrain.unheard import unheard_refusals
 from shared.errors import ConfigError
+from shared.policies.checkpoint import CARD_FILE
 from shared.rollout.settings import Replan
 from shared.workcell.skills import COMMANDS, parse
 from tests.unit.evaluation.rows import attempt, row
@@ -127,6 +128,18 @@ def test_a_low_level_is_refused_where_each_arm_trains_its_own():
     for experiment in EXPERIMENTS.values():
         experiment.accept("", "")
     experiment_named("horizon").accept("1.2", "some/folder")
+
+
+def test_a_run_of_the_baselines_is_refused_where_it_does_nothing_and_where_none_lies(tmp_path):
+    with pytest.raises(ConfigError, match="--baselines has no effect here, only for dagger"):
+        experiment_named("horizon").accept("", "", tmp_path)
+    for folder in (tmp_path, tmp_path / "missing"):
+        with pytest.raises(ConfigError, match=r"hld experiment baselines.*fits-\*/flat-\*"):
+            experiment_named("dagger").accept("", "", folder)
+    arm = tmp_path / "fits-1a" / "flat-0"
+    arm.mkdir(parents=True)
+    (arm / CARD_FILE).touch()
+    experiment_named("dagger").accept("", "", tmp_path)
 
 
 def test_a_checkpoints_folder_makes_a_files_name():
