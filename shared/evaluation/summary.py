@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
+from datetime import UTC, datetime
 from typing import Any
 
 from shared.evaluation.attempts import SKILL_NAMES, Attempt, Row
@@ -25,6 +26,7 @@ def report(plan: Plan, rows: Iterable[Row], high_level: str, command: str) -> di
         "length": plan.skills,
         "seeds": f"{first}:{end}",
         "command": command,
+        "date": datetime.now(UTC).date().isoformat(),
         **summarize(rows),
     }
 

@@ -1,6 +1,7 @@
 """What a report says, from rows that were made up."""
 
 import json
+from datetime import UTC, date, datetime
 
 from shared.evaluation.plan import Plan
 from shared.evaluation.summary import report, summarize
@@ -50,8 +51,16 @@ def test_steps_and_decisions_are_means_and_the_low_level_is_named():
 def test_a_report_doesnt_hang_on_the_order_in_which_processes_finish():
     plan = Plan(seeds=(0, 4))
     one = report(plan, ROWS, "base", "hld evaluate")
-    assert json.dumps(one) == json.dumps(report(plan, ROWS[::-1], "base", "hld evaluate"))
+    other = report(plan, ROWS[::-1], "base", "hld evaluate")
+    assert json.dumps({**one, "date": ""}) == json.dumps({**other, "date": ""})
+
+
+def test_a_report_says_what_was_evaluated_where_and_when():
+    before = datetime.now(UTC).date()
+    one = report(Plan(seeds=(0, 4)), ROWS, "base", "hld evaluate --seeds 0:4")
     assert (one["seeds"], one["site"], one["high_level"]) == ("0:4", "far", "base")
+    assert one["command"] == "hld evaluate --seeds 0:4"
+    assert before <= date.fromisoformat(one["date"]) <= datetime.now(UTC).date()
 
 
 def test_a_call_is_flawless_only_if_both_levels_did_their_part():
