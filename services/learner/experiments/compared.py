@@ -17,11 +17,13 @@ from services.learner.experiments.findings import (
 )
 from shared.errors import HldError
 from shared.evaluation.attempts import Row
+from shared.evaluation.plan import ORACLE
 from shared.evaluation.summary import summarize
 from shared.intervals import mcnemar, rate, seeds_difference
 
-OTHERS = ("flat", "chain", "latent")
-"""What the hierarchy is compared with."""
+OTHERS = ("flat", "chain", "latent", ORACLE)
+"""What the hierarchy is compared with; the oracle above it has its own hand: what is missing to
+that is what a better head would bring."""
 Outcomes = list[list[bool]]
 """By training seed and scene."""
 

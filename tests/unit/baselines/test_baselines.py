@@ -107,6 +107,20 @@ def test_differences_are_paired_over_training_seeds_and_scenes():
     assert found["hierarchy_less"]["chain"]["all"]["p"] == [1.0] * 3
 
 
+def test_what_a_better_head_would_bring_has_an_interval():
+    def rows(won):
+        return [[row(seed, won(seed)) for seed in range(20)] for _ in range(3)]
+
+    by_arm = {arm: rows(lambda _: False) for arm in TITLES}
+    by_arm["hierarchy"] = rows(lambda seed: seed >= 10)
+    by_arm["oracle"] = rows(lambda seed: seed >= 2)
+    found = compared.findings(TINY, [trained("a")], {4: by_arm}, "lab")
+    less = found.figures["hierarchy_less"]["oracle"]["all"]
+    assert less["difference"] == -0.4
+    assert -0.7 < less["interval"][0] < -0.4 < less["interval"][1] < -0.1
+    assert "hierarchy, oracle above" in {cells[0] for cells in found.tables[1].rows}
+
+
 def test_a_p_is_of_one_training_seed_and_the_largest_is_shown():
     def rows(least):
         return [[row(seed, seed >= some) for seed in range(20)] for some in least]
