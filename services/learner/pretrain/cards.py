@@ -8,6 +8,10 @@ from shared.policies.checkpoint import Card, Figure
 from shared.policies.high_level import BASE_VERSION, HighLevel
 from shared.workcell.skills import COMMANDS
 
+THEN = " && "
+"""Between the commands that a card names."""
+RETEACH = "python -m services.learner.pretrain.reteach --low-level DIR/low_level"
+
 
 def today() -> str:
     """When a card is written."""
@@ -118,9 +122,10 @@ def _demonstrated(scale: Scale) -> tuple[str, ...]:
     )
 
 
-def retaught(card: Card, phrases: int, figures: Sequence[Figure]) -> Card:
+def retaught(card: Card, phrases: int, seed: int, figures: Sequence[Figure]) -> Card:
     """The card of a low level whose reader alone was taught anew. phrases: 0: it was not, and only
-    examined. figures: of its reading; those of paraphrases in the cell were another reader's."""
+    examined. seed: of what was drawn. figures: of its reading; those of paraphrases in the cell
+    were another reader's."""
     kept = [one for one in card.figures if one.name.startswith(("skill", "oracle"))]
     kept = [one for one in kept if "unheard" not in one.name]
     lesson = (
@@ -129,8 +134,10 @@ def retaught(card: Card, phrases: int, figures: Sequence[Figure]) -> Card:
         "things and places was fitted anew (`python -m services.learner.pretrain.reteach`)."
     )
     before = tuple(step for step in card.recipe if not step.startswith("Later its reader"))
-    recipe = (*before, lesson) if phrases else card.recipe
-    return card.model_copy(update={"date": today(), "recipe": recipe, "figures": (*kept, *figures)})
+    made = card.command.partition(THEN)[0]
+    again = f"{made}{THEN}{RETEACH} --out DIR/retaught --phrases {phrases} --seed {seed}"
+    update: dict[str, object] = {"recipe": (*before, lesson), "command": again} if phrases else {}
+    return card.model_copy(update={**update, "date": today(), "figures": (*kept, *figures)})
 
 
 def examined(card: Card, figures: Sequence[Figure]) -> Card:

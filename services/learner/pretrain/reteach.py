@@ -48,7 +48,8 @@ def main() -> None:
     settings = ReaderFitSettings(phrases=max(1, args.phrases), seed=args.seed, tagger=TAGGER)
     taught = reteach(tensors, settings) if args.phrases else tensors
     checkpoint.save(args.out, taught, card)  # To be examined as it will be loaded.
-    checkpoint.save(args.out, taught, cards.retaught(card, args.phrases, reading(args.out)))
+    made = cards.retaught(card, args.phrases, args.seed, reading(args.out))
+    checkpoint.save(args.out, taught, made)
 
 
 if __name__ == "__main__":
