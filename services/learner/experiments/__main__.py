@@ -12,10 +12,10 @@ import typer
 from rich.console import Console
 
 from services.learner.experiments import report
-from services.learner.experiments.bench import Bench
+from services.learner.experiments.bench import Bench, Scale
 from services.learner.experiments.registry import EXPERIMENTS, experiment_named
 from shared.config import exit_misconfigured, make_folder
-from shared.errors import ConfigError, HldError, nearest
+from shared.errors import ConfigError, HldError
 from shared.evaluation.plan import ORACLE, Plan, find_high_level, parse_seeds
 from shared.evaluation.pool import Pool
 from shared.policies.checkpoint import load_card
@@ -23,7 +23,6 @@ from shared.progress import Bars
 from shared.service import interrupt_at_sigterm, run_command
 
 INTERRUPTED = 130
-SCALES = ("small", "full")
 
 
 def main(
@@ -32,7 +31,12 @@ def main(
         Optional[Path],
         typer.Option(file_okay=False, help="rows and report, resumed if there; runs/NAME"),
     ] = None,
-    scale: Annotated[str, typer.Option(help="small: a minute, to try it; full: to learn")] = "full",
+    scale: Annotated[
+        str,
+        typer.Option(
+            help="small: a minute, to try it; full: to learn; core, of dagger: the main arms"
+        ),
+    ] = "full",
     seeds: Annotated[str, typer.Option(help="A:B, from the first evaluation seed")] = "",
     n: Annotated[
         Optional[int],
@@ -68,9 +72,7 @@ def main(
     out = out or Path("runs") / name
     try:
         experiment = experiment_named(name)
-        if scale not in SCALES:
-            raise ConfigError(f"no scale {scale!r}{nearest(scale, SCALES)}")
-        some = experiment.small if scale == "small" else experiment.full
+        some = experiment.scenes(scale)
         if n and seeds:
             raise ConfigError(f"--n {n} is short for --seeds 0:{n}: say one of the two")
         wanted = parse_seeds(seeds or f"0:{n or some}")
@@ -106,8 +108,8 @@ def main(
     console = Console()
     try:
         with closing(Bars(console)) as bars, Pool(processes) as pool:
-            small = scale == "small"
-            bench = Bench(out, pool, bars, wanted, small, site, learned, low_level, baselines)
+            size = Scale(scale)
+            bench = Bench(out, pool, bars, wanted, size, site, learned, low_level, baselines)
             findings = experiment.run(bench)
     except KeyboardInterrupt:
         console.print(f"stopped; the same command goes on in {out}", markup=False)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from enum import StrEnum
 from pathlib import Path
 from typing import Protocol, TypeVar
 
@@ -26,13 +27,21 @@ class Reporter(Protocol):
         ...
 
 
+class Scale(StrEnum):
+    """small: to try it, rather than to learn from it. core: what matters most, where an experiment
+    tells that apart. full: everything."""
+
+    SMALL = "small"
+    CORE = "core"
+    FULL = "full"
+
+
 @dataclass(frozen=True)
 class Bench:
     """What an experiment is given.
 
     out: where rows are kept, by the name of what was measured; what lies there isn't done again.
     seeds: from A up to B, as in `Plan`; the scenes of each cell of a table.
-    small: to try it, rather than to learn from it.
     high_level: the learned one, as `Plan` takes it. low_level: checkpoint folder, as there.
     baselines: folder of a run of the baselines, where there is one to be compared with.
     """
@@ -41,11 +50,16 @@ class Bench:
     pool: Pool
     reporter: Reporter
     seeds: tuple[int, int]
-    small: bool = False
+    scale: Scale = Scale.FULL
     site: str = "lab"
     high_level: str = "base"
     low_level: str = ""
     baselines: Path | None = None
+
+    @property
+    def small(self) -> bool:
+        """Whether it is only to be tried."""
+        return self.scale is Scale.SMALL
 
     @property
     def n(self) -> int:

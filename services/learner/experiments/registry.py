@@ -13,7 +13,7 @@ from services.learner.experiments import (
     skills,
     transitions,
 )
-from services.learner.experiments.bench import Bench
+from services.learner.experiments.bench import Bench, Scale
 from services.learner.experiments.dagger.run import flat_arms
 from services.learner.experiments.findings import Findings
 from shared.errors import ConfigError, nearest
@@ -23,7 +23,7 @@ class Experiment(NamedTuple):
     """small, full: scenes for each cell of its tables, at either scale.
     learned: whether it tries a learned high level that is given to it. low_level: whether it tries
     a low level that is; else it trains its own. baselines: whether it tries an arm of a run of the
-    baselines. site: where, unless told.
+    baselines. core: whether it tells apart what matters most. site: where, unless told.
     """
 
     run: Callable[[Bench], Findings]
@@ -32,7 +32,19 @@ class Experiment(NamedTuple):
     learned: bool = False
     low_level: bool = True
     baselines: bool = False
+    core: bool = False
     site: str = "lab"
+
+    def scenes(self, scale: str) -> int:
+        """How many there are for each cell.
+
+        Raises:
+            ConfigError: there is no such scale here; the message says which there are.
+        """
+        scales = [str(one) for one in Scale if one is not Scale.CORE or self.core]
+        if scale not in scales:
+            raise ConfigError(f"no scale {scale!r} here{nearest(scale, scales)}")
+        return self.small if scale == Scale.SMALL else self.full
 
     def accept(self, high_level: str, low_level: str, baselines: Path | None = None) -> None:
         """Refuse a policy that would not be tried; "": none was named.
@@ -60,7 +72,9 @@ EXPERIMENTS = {
     "language": Experiment(language.run, small=2, full=100),
     "horizon": Experiment(horizon.run, small=1, full=60, learned=True),
     "baselines": Experiment(baselines.run, small=6, full=40, low_level=False),
-    "dagger": Experiment(dagger.run, small=60, full=200, learned=True, baselines=True, site="far"),
+    "dagger": Experiment(
+        dagger.run, small=60, full=200, learned=True, baselines=True, core=True, site="far"
+    ),
     "replanning": Experiment(replanning.run, small=1, full=60, learned=True),
     "transitions": Experiment(transitions.run, small=1, full=120, learned=True),
 }

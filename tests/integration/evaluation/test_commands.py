@@ -139,6 +139,7 @@ def test_an_experiment_writes_its_report_for_machines_and_for_people(tmp_path):
         (say.main, ("put it down", "--seed", "-1"), "0 to 139999999"),
         (experiments.main, ("skill", "--out", "x"), "skills"),
         (experiments.main, ("skills", "--out", "x", "--scale", "huge"), "full"),
+        (experiments.main, ("skills", "--out", "x", "--scale", "core"), "'full', 'small'"),
         (experiments.main, ("skills", "--out", "x", "--high-level", "base"), "horizon"),
         (experiments.main, ("baselines", "--out", "x", "--low-level", "y"), "skills"),
         (experiments.main, ("skills", "--out", "x", "--n", "0"), "or equal to 1"),

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from services.learner.experiments.bench import Bench
+from services.learner.experiments.bench import Bench, Scale
 
 
 class Here:
@@ -44,4 +44,4 @@ def scripted(folder, script):
 
 
 def here(folder, seeds=(0, 1)):
-    return Bench(folder, Here(), untold, seeds, small=True)
+    return Bench(folder, Here(), untold, seeds, scale=Scale.SMALL)

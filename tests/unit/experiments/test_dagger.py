@@ -8,12 +8,12 @@ from typing import Any
 
 import pytest
 
-from services.learner.experiments.bench import Bench
+from services.learner.experiments.bench import Bench, Scale
 from services.learner.experiments.dagger import compare
 from services.learner.experiments.dagger.course import Course
 from services.learner.experiments.dagger.figures import gap_closed, less
 from services.learner.experiments.dagger.lessons import Treatment, place_of
-from services.learner.experiments.dagger.scale import ARMS, FULL, MAIN, SMALL, DaggerSettings
+from services.learner.experiments.dagger.scale import ARMS, CORE, FULL, MAIN, SMALL, DaggerSettings
 from services.learner.experiments.dagger.watching import Person, Shift, Turn, Watcher
 from services.learner.experiments.report import describe
 from services.learner.labels.aggregate import Ground, Label
@@ -158,7 +158,9 @@ def test_arms_are_compared_on_the_training_seeds_that_both_have(
 
 def test_every_arm_that_the_full_run_names_has_its_person_in_it() -> None:
     assert {ARMS[name].person for name in FULL.arms} <= set(FULL.people)
-    assert set(SMALL.arms) <= set(FULL.arms)
+    for few in (SMALL, CORE):
+        assert set(few.arms) <= set(FULL.arms)
+        assert {ARMS[name].person for name in few.arms} <= set(few.people) <= set(FULL.people)
 
 
 @pytest.mark.timeout(300)
@@ -172,7 +174,7 @@ def test_all_of_it_in_small_and_again_without_doing_anything_twice(tmp_path: Pat
         recipe=SMALL.recipe.model_copy(update={"train": train}),
     )
     pool = Here()
-    bench = Bench(tmp_path, pool, untold, (3, 4), small=True, site="far")
+    bench = Bench(tmp_path, pool, untold, (3, 4), scale=Scale.SMALL, site="far")
     told = compare(bench, settings)
     figures = told.figures
     assert set(figures["arms"]) == {

@@ -3,13 +3,13 @@
 from services.learner.experiments.bench import Bench
 from services.learner.experiments.dagger.report import findings
 from services.learner.experiments.dagger.run import Run, teaching_of
-from services.learner.experiments.dagger.scale import FULL, SMALL, DaggerSettings
+from services.learner.experiments.dagger.scale import SCALES, DaggerSettings
 from services.learner.experiments.findings import Findings
 
 
 def run(bench: Bench) -> Findings:
     """Rounds under a scripted person, and everything that they are compared with."""
-    return compare(bench, SMALL if bench.small else FULL)
+    return compare(bench, SCALES[bench.scale])
 
 
 def compare(bench: Bench, settings: DaggerSettings) -> Findings:

@@ -6,6 +6,7 @@ from typing import Annotated, Literal, NamedTuple
 from pydantic import Field
 
 from services.learner.config import Recipe, TrainSettings
+from services.learner.experiments.bench import Scale
 from services.learner.experiments.dagger.watching import Person
 from services.learner.gate import GateSettings
 from services.learner.labels.aggregate import LabelSettings
@@ -121,9 +122,16 @@ class DaggerSettings(Settings):
 SMALL = DaggerSettings(
     episodes=(20, 20, 20), seeds=1, people=(MAIN,), arms=("together", "shuffled", "lab", "site")
 )
+CORE = DaggerSettings(
+    episodes=(40, 80, 80),
+    seeds=3,
+    people=(MAIN,),
+    arms=("together", "shuffled", "last", "lab", "site"),
+)
 FULL = DaggerSettings(
     episodes=(40, 80, 80),
     seeds=3,
     people=(MAIN, "late 0.5 s", LATE, "misses 20 %", "wrong 10 %"),
     arms=tuple(ARMS),
 )
+SCALES = {Scale.SMALL: SMALL, Scale.CORE: CORE, Scale.FULL: FULL}
