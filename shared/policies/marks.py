@@ -21,6 +21,8 @@ ENDS = _any(
     "hands off", "off limits", "(?:stay|keep|steer) (?:well )?(?:away|clear|off)",
     r"keep \w+ (?:\w+ )?off", r"(?:quit|stop) (?:\w+ing|it with)", "wants? leaving",
     r"leave (?!it |that |this )(?:\w+ )+(?:alone|be|where|as|off|out)",
+    r"(?<!you )(?<!n't )(?<!not )(?<!never )(?<!to )(?:mind|beware(?: of)?) (?:the|that|my|your)",
+    r"(?:look|watch) (?:at|out for) (?:the|that|my)", "(?:be )?careful (?:of|with) (?:the|that|my)",
     "(?:stays?|remains?) (?:put|there|where|in place|on the table)",
 )  # fmt: skip
 """What is to be ended or let alone."""
@@ -44,11 +46,24 @@ _WAS = (
 )  # fmt: skip
 TELLING = _any(*_DISLIKES, *_REMARKS, *_WAS)
 
+_AND = "(?:(?:very|so|too|quite|rather|really|all|still|already|now|just|almost|nearly|a bit) )*"
+STATES = re.compile(
+    r"(?:(?:it|this|that|they|he|she)(?: is|'s| are|'re)|"
+    r"(?:(?:the|my|your|this|that|our) )?(?!next\b|what\b|all\b|where\b|time\b|there\b|now\b|how\b|"
+    r"who\b|which\b|here\b)\w+(?: (?!that\b|which\b|i\b|we\b|you\b|next\b|up\b)\w+)? (?:is|are)) "
+    rf"{_AND}(?!the |a |an |my |your |our |his |her |next\b|for |to |what |where |time |needed|"
+    r"wanted|"
+    r"required|due|supposed|going |after |one |who |that |it\b|up\b|ready for|coming|waiting|"
+    r"allowed|meant|rubbish|trash|garbage|waste|junk|litter|it's|i )"
+)
+"""A clause that begins so says how things are: "the bin is full", "it is in the tub"."""
 DOES = _any(
     "(?:you|he|she|it|they|we|i|somebody|someone|robot|arm|who)(?: have|'ve| has|'s| are| is|'re|"
     r" \w+ly| always| keeps?| just| only| already| almost)*(?= \w)"
 )
 """Somebody, up to what they do or did."""
+UNCHANGED = frozenset(("put", "set", "let"))
+"""Of the past too, where somebody does so to something: "you put it there"."""
 ACTED = frozenset(words_of("took taken threw thrown chose brought caught left gave laid got"))
 """What they did, where the verb has no -ed."""
 

@@ -6,7 +6,8 @@ import pytest
 from shared.goals.language.encoder import shared_encoder
 from shared.messages.goal import LanguageGoal
 from shared.policies import checkpoint, looks
-from shared.policies.looks import Fit, alike, fitting, side_of
+from shared.policies.located import located
+from shared.policies.looks import Fit, alike, fitting
 from shared.policies.low_level import LowLevel
 from shared.policies.lying import cover_of, furthest
 from shared.policies.phrase import ACT, FILLER, THING
@@ -70,7 +71,7 @@ def test_looks_are_those_of_the_things_in_the_cell() -> None:
     ],
 )  # fmt: skip
 def test_a_side_is_said_of_a_thing(text: str, side: str) -> None:
-    assert side_of(text) == side
+    assert located(text).side == side
 
 
 @pytest.mark.parametrize(
