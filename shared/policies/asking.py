@@ -77,6 +77,25 @@ def asks_nothing(phrase: Words, rows: range) -> bool:
     return any(not _excused(phrase, rows, mark) for mark in _marks(phrase, rows))
 
 
+def tells_state(phrase: Words, rows: range) -> bool:
+    """Whether a clause says how something is, and asks for nothing: "the bin is full"."""
+    found = _state(phrase, rows)
+    end = _subject(phrase, rows) + len(found.group().split()) if found else rows.stop
+    return found is not None and not _orders(phrase, range(end, rows.stop), asked=True)
+
+
+def _subject(phrase: Words, rows: range) -> int:
+    """Where a clause begins, after what only calls; "there is" calls nobody."""
+    begin = next((row for row in rows if phrase.words[row] not in INTERJECTIONS), rows.start)
+    is_there = phrase.words[begin] in ("is", "are") and phrase.words[begin - 1] == "there"
+    return begin - 1 if begin > rows.start and is_there else begin
+
+
+def _state(phrase: Words, rows: range) -> re.Match[str] | None:
+    begin = _subject(phrase, rows)
+    return STATES.match(" ".join(phrase.words[row] for row in range(begin, rows.stop)))
+
+
 def _marks(phrase: Words, rows: range) -> Iterable[Mark]:
     text = " ".join(phrase.words[row] for row in rows)
     text = ORDERS.sub(_blank, text)
@@ -84,14 +103,15 @@ def _marks(phrase: Words, rows: range) -> Iterable[Mark]:
         for found in pattern.finditer(text):
             begin, end = (rows.start + text[:at].count(" ") for at in found.span())
             yield Mark(begin, end + 1, pattern is DENIES, pattern is ENDS)
-    told = next((row for row in rows if phrase.words[row] not in INTERJECTIONS), rows.start)
-    if found := STATES.match(" ".join(phrase.words[row] for row in range(told, rows.stop))):
-        yield Mark(told, told + found.group().count(" ") - (found.group()[-1:] == " ") + 1)
+    told = _subject(phrase, rows)
+    if found := _state(phrase, rows):
+        yield Mark(told, told + len(found.group().split()))
     for found in DOES.finditer(text):
         subject = rows.start + text[: found.start()].count(" ")
         row = rows.start + text[: found.end()].count(" ") + 1
         asked = phrase.words[max(subject - 1, rows.start)] in ASKING | NAMING
-        long = row - subject > 1 or (subject == told and _has_object(phrase.words, row))
+        begins = subject == told and phrase.words[subject - 1] not in ("now", "please")
+        long = row - subject > 1 or (begins and _has_object(phrase.words, row))
         if not asked and _is_done(phrase.words, row, long):
             yield Mark(subject, row + 1)
     for row in rows:

@@ -11,9 +11,10 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from shared.goals.language.encoder import WORD
-from shared.policies.asking import TELLS, is_idle, only_holds
+from shared.policies.asking import TELLS, is_idle, only_holds, tells_state
 from shared.policies.claims import WAS, was_there
 from shared.policies.later import put_off
+from shared.policies.located import SIDE
 from shared.policies.patterns import ALONE, BESIDE, MANY, OFF, SIDES
 from shared.policies.phrase import (
     ACT,
@@ -31,7 +32,6 @@ from shared.policies.wording import Words
 FORBIDS = "forbids something, and a prohibition can't be obeyed: say what to do instead"
 ASKS = "is a question: say what is to be done"
 EXCLUDES = "says what is not meant: name the thing or the place that is"
-SIDE = "names a side of a place, and only things are told apart by their sides: leave the side out"
 NEARBY = "is about a spot beside a place, and things are put on or in it: say 'on the plate'"
 REMOVES = "takes something off a place: say 'pick up', and its name"
 SEVERAL = "asks for several things: one thing at a time, by its name"
@@ -112,9 +112,13 @@ def _weighed(phrase: Words) -> Clauses:
         return Clauses(phrase.parts, FORBIDS)
     if against and not phrase.tells(kept):
         return Clauses(phrase.parts, against[-1][1])
-    for rows, _ in against:
+    aside = [rows for rows in _split(phrase) if tells_state(phrase, rows)]
+    if not phrase.acts(row for row in kept if not any(row in rows for rows in aside)):
+        aside = []
+    for rows in (*(rows for rows, _ in against), *aside):
         for row in rows:
-            phrase.parts[row] = FILLER
+            keeps = rows in aside and phrase.parts[row] == THING  # "The cup is dirty, take it".
+            phrase.parts[row] = THING if keeps else FILLER
     why = _too_much(phrase, kept)
     return Clauses(phrase.parts, why) if why else _in_turn(phrase, kept)
 

@@ -14,22 +14,21 @@ from typing import NamedTuple
 from shared.goals.language.encoder import WORD
 from shared.policies.looks import ANYTHING, KINDS, NAMES
 from shared.policies.phrase import words_of
+from shared.policies.ranked import A_HEAD, DET, HEADS, puts, tidy, unranked
 from shared.policies.remarks import INTERJECTIONS
 from shared.policies.verbs import PICK, PUT, WAIT, verb_of
 
 BOTH = "names two sides or two things by their sides: one thing at a time, by one side"
 BARE = "names a side and no thing: say what lies there, 'the dish on the left'"
 WHICH = "tells a thing by its side and by what it isn't: say its name"
+SIDE = "names a side of a place, and only things are told apart by their sides: leave the side out"
 ARM = "names an arm, and which arm moves can't be said: leave the arm out"
-RANKED = "ranks things or tells them by what lies beside, and only names, colours and sides count"
 SIDED = "tells by a side what is to be put, and what is in the hand lies on none: call that 'it'"
 PIECE = "piece"
 """What a thing is called that is told by its side alone: "the left one"."""
 
-_HEADS = frozenset((*NAMES, *KINDS, *ANYTHING))
-_DET = r"(?:the|my|your|our|that|this|a|any)"
 _SIDE = r"(?:far |very |extreme |furthest |farthest |most )?(?P<{}>left|right)(?:[- ]?most|-?hand)?"
-_BEFORE = re.compile(rf"(?:\b(?P<det>{_DET}) |\b){_SIDE.format('side')} (?=(?P<next>[a-z][\w'-]*))")
+_BEFORE = re.compile(rf"(?:\b(?P<det>{DET}) |\b){_SIDE.format('side')} (?=(?P<next>[a-z][\w'-]*))")
 _REST = r"of (?:the|my|your|our) (?:table|counter|worktop|tray|two|pair|lot|scene|picture)"
 _FINITE = r"(?:is|isn't|isnt|ain't|was|wasn't|does|doesn't|lies?|sits?|stands?|rests?)"
 _LYING = (
@@ -38,7 +37,7 @@ _LYING = (
 )
 _AFTER = re.compile(
     rf"(?P<rel>(?:,? ?\b(?:(?:that|which|what)(?:'s|(?= {_LYING}\b))|other than|but not|except))?"
-    rf"(?: ?\b{_LYING}\b)*) ?(?P<where>"
+    rf"(?: ?\b{_LYING}\b)*),? ?(?P<where>"
     rf"\b(?:on|at|to|from|towards?) (?:the|your|my|our|its) {_SIDE.format('on')}(?: hand(?= side))?"
     rf"(?: (?:side|end|half|edge))?(?: {_REST})?|"
     r"\b(?:furthest|farthest|further|most)(?: (?:to|on|towards?))?(?: the)? (?P<far>left|right)|"
@@ -54,6 +53,7 @@ _NO_THING = frozenset(
     )
 )
 """After "the left" they make no thing that lies there."""
+_EMPTY = ANYTHING | frozenset(words_of("the my your our that this a any other"))
 _AT = frozenset(words_of("in into on onto to from off of at under by towards toward with"))
 _NO_NOUN = frozenset(
     words_of("it them is are was were isn't and or up down back over go turn the a my your not")
@@ -65,34 +65,18 @@ _DENYING = re.compile(
 _ANEW = re.compile(r"\b(?:no|nope|sorry|rather|actually|mean|meant|instead|wait|oops|whoops|not)\b")
 _LEADING = INTERJECTIONS | frozenset(words_of("i mean meant said then and rather instead just"))
 _INTO = re.compile(r"\b(?:in|into|on|onto) (?:the|that|your|my)\b")
-_ORDINAL = (
-    r"(?:first|second|third|fourth|fifth|sixth|\d(?:st|nd|rd|th)|last|middle|centre|center|central|"
-    r"(?!left|right)\w{2,}est|(?:far|fur|far)?thermost|bigger|larger|smaller|taller|shorter|nearer|"
-    r"closer|further|farther|heavier|lighter|wider|narrower|thicker|thinner)"
+_A_KIND = re.compile(rf"\b({'|'.join(sorted(KINDS))})(?:e?s)?\b")
+_OF_THOSE = re.compile(
+    r"\b((?:left|right)[\w-]* )(?:one |thing )?of (?:the|those|these) (?:two |three )?"
+    rf"({'|'.join(sorted(KINDS))})(?:e?s)\b"
 )
-_A_HEAD = rf"(?:{'|'.join(sorted(_HEADS))})"
-_FROM_SIDE = re.compile(
-    rf"\b((?:{_DET} )?){_ORDINAL} ((?:\w+ )?)({_A_HEAD}\b)? ?(?:in )?"
-    r"from (?:the|your|my) (?:left|right)\b"
-)
-_RANKED = re.compile(
-    rf"\b((?:(?:{_DET}|one of the) )?)(?:two |\w+ ?most )?{_ORDINAL} (?=(?:\w+ )?{_A_HEAD}\b)"
-)
-_RELATED = re.compile(
-    rf"\b({_A_HEAD}) (?:(?:that|which)(?:'s| is| lies| sits| stands) |lying |sitting |standing )?"
-    r"(?:right |just )?(?:next to|beside|near to|near|nearest to|nearest|closest to|closest|"
-    r"close to|"
-    r"by|"
-    r"behind|in front of|between|under|underneath|beneath|above|opposite|"
-    r"(?:on |to )?(?:the )?(?:left|right) of|in the (?:middle|centre|center)(?: of)?|"
-    r"at the (?:front|back|top|bottom)(?: of)?)"
-    rf"(?: (?:{_DET}) (?:\w+ )?{_A_HEAD}\b| {_DET} \w+| me\b| you\b|(?= |$|,))"
-)
+_IS = re.compile(r"(?:is|are|was|were|isn't|looks|has|had|seems|fell|'s)\b")
 _ONLY_SIDE = re.compile(
     rf"(?:(?:{'|'.join(sorted(INTERJECTIONS))}|the one|not)[,;]? )*(?:(?:on|to|from|at) )?"
     r"(?:the|your|my) (?:far )?(?:left|right)(?: (?:side|please))?[?]?"
 )
-_SAME_AS = re.compile(rf"\b({_DET} (?:\w+ )?(?:{'|'.join((*NAMES, *sorted(KINDS)))}))(?:,| -)? ?$")
+_SAME_AS = re.compile(rf"\b({DET} (?:\w+ )?(?:{'|'.join((*NAMES, *sorted(KINDS)))}))(?:,| -)? ?$")
+_HANDED = re.compile(rf"\b(left|right) hand(?= (?:side|{A_HEAD})\b)")
 _HANDS = re.compile(
     r"(?<!left or )(?<!right or )(?<!left and )(?<!right and )"
     r"(?<!\bon the )(?<!\bon your )(?<!\bto the )(?<!\bto your )(?<!\bat the )"
@@ -117,8 +101,12 @@ class Located(NamedTuple):
 
 
 class _Mark(NamedTuple):
-    """A thing told by its side. start, end: of its name and its side. cut: of its side alone.
-    head: the noun. denied: from where on it is said not to be meant, -1 where it is meant."""
+    """A thing told by its side.
+
+    start, end: of its name and its side. cut: of its side alone. side: "" where it tells where to
+    put something. head: the noun, "" where that names nothing, "the one". denied: from where on it
+    is said not to be meant, -1 where it is meant. two: told by the side where it is not.
+    """
 
     start: int
     end: int
@@ -135,16 +123,18 @@ class _Mark(NamedTuple):
 
 def arm_of(said: str) -> str:
     """Which arm or hand a phrase names, "left" or "right", "" where it names none or either."""
-    found = _HANDS.search(said)
+    found = _HANDS.search(_HANDED.sub(r"\1-hand", said))
     return found.group(1) if found else ""
 
 
 def located(said: str) -> Located:
     """A phrase, as it is spelt, without the sides and ranks of what it names."""
-    text = said if puts(said) else _RELATED.sub(r"\1", _FROM_SIDE.sub(r"\1\2\3", said))
-    text = _tidy(_RANKED.sub(r"\1", text))
-    ranked = text != _tidy(said)
+    said = _OF_THOSE.sub(r"\1\2", said)
+    text = unranked(_HANDED.sub(r"\1-hand", said))
+    ranked = text != tidy(said)
     marks = _marks(text)
+    if any(not mark.side for mark in marks):
+        return Located(said, why=SIDE)
     meant = [mark for mark in marks if mark.denied < 0]
     if not meant and len(marks) == 1 and marks[0].denied > 0:
         return _other(text, marks[0])._replace(ranked=ranked)
@@ -153,67 +143,61 @@ def located(said: str) -> Located:
         return Located(text if ranked else said, ranked=ranked, why=why)
     first, last = meant[0], meant[-1]
     between = text[first.end : last.start]
-    again = _any(last.head) or _ANEW.search(between) or first.head == last.head
+    again = not last.head or _ANEW.search(between) or first.head == last.head
     if not again or (first.side != last.side and not _ANEW.search(between)):
         return Located(text, side=last.side, why=BOTH)
-    named = next((one for one in reversed(marks) if not _any(one.head)), None)
+    named = next((one for one in reversed(marks) if one.head), None)
     if named is None and _DENYING.search(_without(text, marks)):
         return Located(text, side=last.side, why=WHICH)
-    name = _tidy(named.name(text)) if named else f"the {PIECE}"
+    name = tidy(named.name(text)) if named else f"the {PIECE}"
     before, after = text[: first.start], text[last.end :]
     same = None if named else _SAME_AS.search(before)
     if same:  # "The dish, the left one".
         before, name = before[: same.start()], same.group(1)
+    kinds = set(_A_KIND.findall(before))
+    if not named and not same and len(kinds) == 1:  # "Wrong dish, the left one".
+        name = f"the {kinds.pop()}"
     for mark in (mark for mark in marks if mark.denied >= 0):
         if mark.end <= first.start:
             before = before[: mark.denied] + before[mark.end :]
         elif mark.start >= last.end:
             after = text[last.end : mark.denied] + text[mark.end :]
-    return _joined(before, name, after, last)
-
-
-def puts(said: str) -> bool:
-    """Whether a verb that puts something is in it."""
-    words = words_of(said)
-    return any(
-        verb_of(words, row) == PUT and not (row and words[row - 1] in ("the", "a", "that", "dirty"))
-        for row in range(len(words))
-    )
+    return _joined(before, re.sub(r"\bother ", "", name), after, last)
 
 
 def _other(text: str, mark: _Mark) -> Located:
     """The other one, where only that is told which isn't meant: "the dish, not the left one"."""
     before = text[: mark.denied]
-    if not re.search(rf"\b{_A_HEAD}\W*$", before):
+    if not re.search(rf"\b{A_HEAD}\W*$", before):
         return Located(text)
-    begin = max((found.start() for found in re.finditer(rf"\b{_DET} ", before)), default=0)
+    begin = max((found.start() for found in re.finditer(rf"\b{DET} ", before)), default=0)
     name = re.sub(r"\bother ", "", before[begin:].strip(" ,"))
     side = "right" if mark.side == "left" else "left"
-    head = words_of(name)[-1]
-    if _any(head):
-        name = f"the {PIECE}"
+    name = name if _noun_of(name, "thing") else f"the {PIECE}"
     return _joined(before[:begin], name, text[mark.end :], mark._replace(side=side, two=True))
 
 
 def _joined(before: str, name: str, after: str, mark: _Mark) -> Located:
     """What is left of a phrase around the name of its thing, an order where it was only a name."""
-    before, after = _tidy(before.strip(" ,;")), after.strip().rstrip(" ,;")
+    before = re.sub(r"[,;] ?(?=[,;])|^[,;] ?", "", tidy(before)).strip()
+    after = after.strip().rstrip(" ,;")
     clause = words_of(_STOP.split(before)[-1])
     ordered = any(verb_of(words_of(part), row) in (PICK, PUT, WAIT) for part in (before, after)
                   for row in range(len(words_of(part))))  # fmt: skip
+    ordered = ordered or bool(_IS.match(after))
     if not ordered and _LEADING.issuperset(clause) and not _INTO.search(after):
-        before = f"{before}, take" if before else "take"
+        before = f"{before}{'' if before[-1:] in ',;:.?!' else ','} take".strip()
     count = len(words_of(before))
     rows = tuple(range(count, count + len(words_of(name))))
-    known = words_of(name)[-1] in _HEADS
+    known = words_of(name)[-1] in HEADS
     gap = "" if after[:1] in (*",;:.?!", "") else " "
     said = f"{before} {name}{gap}{after}".strip()
     return Located(said, rows if known else (), mark.side, mark.two)
 
 
-def _any(head: str) -> bool:
-    """Whether a noun names nothing."""
-    return head in ANYTHING or head in ("that", "this")
+def _noun_of(name: str, noun: str) -> str:
+    """The noun of a name, "" where that names nothing: "the one", and not "the green one"."""
+    return "" if _EMPTY.issuperset(words_of(name)) else noun
 
 
 def _marks(text: str) -> list[_Mark]:
@@ -238,11 +222,12 @@ def _before(text: str) -> list[_Mark]:
     for found in _BEFORE.finditer(text):
         words = words_of(text[: found.start()])
         noun = found["next"]
-        known = noun in _HEADS if not found["det"] else noun not in _NO_THING
+        known = noun in HEADS if not found["det"] else noun not in _NO_THING
         if not known or (words and words[-1] in _AT):
             continue
         end, head = _noun(text, found.end())
         cut = (found.start("side") if not found["det"] else found.end("det") + 1, found.end())
+        head = _noun_of(text[found.end() : end], head)
         mark = _Mark(found.start(), end, cut, found["side"], head)
         marks.append(mark._replace(denied=_denied(text, found.start())))
     return marks
@@ -255,19 +240,24 @@ def _after(text: str) -> list[_Mark]:
         side = found["on"] or found["far"] or found["the"]
         before = text[: found.start()]
         words = words_of(_STOP.split(before)[-1])
-        no_noun = not words or words[-1] in _NO_NOUN | _AT or verb_of(words, len(words) - 1)
+        no_noun = (
+            not words
+            or words[-1] in _NO_NOUN | _AT | INTERJECTIONS
+            or verb_of(words, len(words) - 1)
+        )
         relative = re.search(r"\b(?:that|which|what|other than|but|except)\b", found["rel"])
         told = found["the"] or re.search(rf"\b{_FINITE}\b", found["rel"])
         if (no_noun and words[-1:] not in [[kind] for kind in KINDS]) or (told and not relative):
             continue
-        if puts(before) and not _INTO.search(text[found.end() :]):
-            continue  # There it is to be put.
+        there = puts(before) and not _INTO.search(text[found.end() :])
         clause = len(before) - len(_STOP.split(before)[-1])
-        dets = [one.start() for one in re.finditer(rf"\b{_DET} ", before) if one.start() >= clause]
+        dets = [one.start() for one in re.finditer(rf"\b{DET} ", before) if one.start() >= clause]
         start = dets[-1] if dets else before.rstrip().rfind(" ") + 1
         other = bool(_DENYING.search(found["rel"]) or " but " in f"{found['rel']} ")
         side = {"left": "right", "right": "left"}[side] if other else side
-        mark = _Mark(start, found.end(), found.span(), side, words[-1], two=other)
+        side = "" if there else side
+        head = _noun_of(text[start : found.start()], words[-1])
+        mark = _Mark(start, found.end(), found.span(), side, head, two=other)
         marks.append(mark._replace(denied=_denied(text, start)))
     return marks
 
@@ -276,7 +266,7 @@ def _noun(text: str, start: int) -> tuple[int, str]:
     """Where a name ends that begins there, and its noun: of three words the last that is known."""
     rest = _STOP.split(text[start:])[0]
     found = list(WORD.finditer(rest))[:3]
-    known = [one for one in found if one.group() in _HEADS]
+    known = [one for one in found if one.group() in HEADS]
     last = known[0] if known else found[0]
     return start + last.end(), last.group()
 
@@ -293,7 +283,3 @@ def _without(text: str, marks: Sequence[_Mark]) -> str:
         begin = mark.denied if mark.denied >= 0 else mark.start
         text = text[:begin] + text[mark.end :]
     return text
-
-
-def _tidy(text: str) -> str:
-    return re.sub(r" (?=[,;:.?!])", "", " ".join(text.split()))

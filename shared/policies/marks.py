@@ -46,15 +46,22 @@ _WAS = (
 )  # fmt: skip
 TELLING = _any(*_DISLIKES, *_REMARKS, *_WAS)
 
-_AND = "(?:(?:very|so|too|quite|rather|really|all|still|already|now|just|almost|nearly|a bit) )*"
+_HOW = "(?:(?:very|so|too|quite|rather|really|all|still|already|now|just|almost|nearly|a bit) )*"
+_SUBJECT = (
+    r"(?:(?:the|my|your|this|that|our) )?"
+    r"(?!(?:next|what|all|where|time|there|now|how|who|which|here)\b)\w+"
+    r"(?: (?!(?:that|which|i|we|you|next|up)\b)\w+)?"
+)
+_ASKED = (
+    r"(?:the|a|an|my|your|our|his|her|next|for|to|what|where|time|needed|wanted|required|due|"
+    r"supposed|going|after|one|who|that|it|it's|i|up|coming|waiting|allowed|meant|ready for|"
+    r"rubbish|"
+    r"trash|garbage|waste|junk|litter)\b"
+)
+"""After "is" they tell what is wished: "the ham is next", "it is for the bin"."""
 STATES = re.compile(
-    r"(?:(?:it|this|that|they|he|she)(?: is|'s| are|'re)|"
-    r"(?:(?:the|my|your|this|that|our) )?(?!next\b|what\b|all\b|where\b|time\b|there\b|now\b|how\b|"
-    r"who\b|which\b|here\b)\w+(?: (?!that\b|which\b|i\b|we\b|you\b|next\b|up\b)\w+)? (?:is|are)) "
-    rf"{_AND}(?!the |a |an |my |your |our |his |her |next\b|for |to |what |where |time |needed|"
-    r"wanted|"
-    r"required|due|supposed|going |after |one |who |that |it\b|up\b|ready for|coming|waiting|"
-    r"allowed|meant|rubbish|trash|garbage|waste|junk|litter|it's|i )"
+    r"there(?: is|'s| are)(?: still| only)? (?:a|an|some|no) |"
+    rf"(?:(?:it|this|that|they|he|she)(?: is|'s| are|'re)|{_SUBJECT} (?:is|are)) {_HOW}(?!{_ASKED})"
 )
 """A clause that begins so says how things are: "the bin is full", "it is in the tub"."""
 DOES = _any(

@@ -156,4 +156,5 @@ def _listed(nouns: list[str]) -> list[list[str]]:
 def _bare(noun: list[str]) -> list[str]:
     while len(noun) > 1 and noun[0] in DETERMINERS | _EMPTY:
         noun = noun[1:]
-    return noun
+    last = [word.removesuffix("'s") for word in noun[-1:]]  # "The cup's next".
+    return [*noun[:-1], *last]

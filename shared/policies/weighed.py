@@ -8,9 +8,10 @@ from numpy.typing import NDArray
 from shared.goals.family import Floats
 from shared.policies.claims import belied, belies
 from shared.policies.clauses import AGAINST
-from shared.policies.located import ARM, RANKED, SIDED
+from shared.policies.located import ARM, SIDED
 from shared.policies.looks import NAMES, NOTHING, Fit, alike, among
 from shared.policies.meant import LEAST_ACT, PLACES, PUTS, THINGS, WAIT_ROW, Reading, Taken
+from shared.policies.ranked import RANKED
 
 LEAST_NAME = 0.3
 """A thing or place that is named is refused where it is less probable."""
@@ -45,14 +46,14 @@ class Scale:
                 those, fit = f"{RANKED if parts.ranked else ARM}; it {those}", Fit()
             if parts.ranked or names[[*fit.rows]].sum() >= LEAST_ACT:
                 return Reading(None, scores, things, those, fit=fit)
-        why = why or self._false(taken, things, best)
+        why = why or self._false(taken, things, best if sure else None)
         command = best if sure and not why else None
         return Reading(command, scores, things, why, parts.first, arm=parts.arm, onto=taken.onto)
 
-    def _false(self, taken: Taken, things: Sequence[Floats], best: int) -> str:
-        """What is wrong with a phrase of which `best` is the likeliest command; "" for nothing."""
+    def _false(self, taken: Taken, things: Sequence[Floats], best: int | None) -> str:
+        """What is wrong with a phrase that was read as a command, or as none; "" for nothing."""
         parts = taken.parts
-        if best < THINGS and parts.arm:
+        if best is not None and best < THINGS and parts.arm:
             return ARM
         if parts.ranked and not things:
             return RANKED
