@@ -52,7 +52,7 @@ def put_off(phrase: Words, clauses: Sequence[range]) -> str | None:
         if _FOR.search(text) and not any(kinds[row] in _ACTS for row in acts):
             return ""
         found = _MARK.search(text)
-        if not found or (len(clauses) > 1 and _is_aside(words)):
+        if not found or (len(clauses) > 1 and found.start() and _is_aside(words)):
             continue
         mark = rows.start + text[: found.start()].count(" ")
         before = [row for row in acts if row < mark]

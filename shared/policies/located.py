@@ -66,6 +66,7 @@ _ANEW = re.compile(r"\b(?:no|nope|sorry|rather|actually|mean|meant|instead|wait|
 _LEADING = INTERJECTIONS | frozenset(words_of("i mean meant said then and rather instead just"))
 _INTO = re.compile(r"\b(?:in|into|on|onto) (?:the|that|your|my)\b")
 _A_KIND = re.compile(rf"\b({'|'.join(sorted(KINDS))})(?:e?s)?\b")
+_WRONG = re.compile(rf"\b(?:(?:that's|it's|that is) )?(?:the )?wrong {A_HEAD}\b")
 _OF_THOSE = re.compile(
     r"\b((?:left|right)[\w-]* )(?:one |thing )?of (?:the|those|these) (?:two |three )?"
     rf"({'|'.join(sorted(KINDS))})(?:e?s)\b"
@@ -140,7 +141,11 @@ def located(said: str) -> Located:
         return _other(text, marks[0])._replace(ranked=ranked)
     if not meant:
         why = BARE if _ONLY_SIDE.fullmatch(said) else ""
-        return Located(text if ranked else said, ranked=ranked, why=why)
+        if not ranked:
+            return Located(said, why=why)
+        words = words_of(text)
+        kind = next((row for row, word in enumerate(words) if word in KINDS), None)
+        return Located(text, () if kind is None else (kind,), ranked=True, why=why)
     first, last = meant[0], meant[-1]
     between = text[first.end : last.start]
     again = not last.head or _ANEW.search(between) or first.head == last.head
@@ -156,7 +161,7 @@ def located(said: str) -> Located:
         before, name = before[: same.start()], same.group(1)
     kinds = set(_A_KIND.findall(before))
     if not named and not same and len(kinds) == 1:  # "Wrong dish, the left one".
-        name = f"the {kinds.pop()}"
+        before, name = _WRONG.sub("", before), f"the {kinds.pop()}"
     for mark in (mark for mark in marks if mark.denied >= 0):
         if mark.end <= first.start:
             before = before[: mark.denied] + before[mark.end :]
