@@ -87,7 +87,7 @@ def tells_state(phrase: Words, rows: range) -> bool:
 def _subject(phrase: Words, rows: range) -> int:
     """Where a clause begins, after what only calls; "there is" calls nobody."""
     begin = next((row for row in rows if phrase.words[row] not in INTERJECTIONS), rows.start)
-    is_there = phrase.words[begin] in ("is", "are") and phrase.words[begin - 1] == "there"
+    is_there = phrase.words[begin - 1 : begin + 1] in (["there", "is"], ["there", "are"])
     return begin - 1 if begin > rows.start and is_there else begin
 
 

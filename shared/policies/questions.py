@@ -40,7 +40,7 @@ def asks(phrase: Words, rows: range) -> bool:
 def _only_names(phrase: Words, rows: range) -> bool:
     """Whether it is a name with a question mark, "cup?", and courtesy at most."""
     asked = phrase.said.rstrip().endswith("?") and rows.stop == len(phrase.words)
-    polite = _SUGGESTING.intersection(phrase.words[rows.start : rows.stop])
+    polite = _SUGGESTING.intersection(phrase.words)
     named = [row for row in rows if phrase.parts[row] in (THING, PLACE, CONTRAST)]
     return (
         asked
