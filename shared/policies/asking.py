@@ -25,10 +25,13 @@ from shared.policies.marks import (
     NO_USE,
     ORDERS,
     RELATIVE,
+    STATES,
     TELLING,
+    UNCHANGED,
     VERBAL,
 )
 from shared.policies.phrase import ACT, CONTRAST, DETERMINERS, FILLER, THING
+from shared.policies.remarks import INTERJECTIONS
 from shared.policies.verbs import PICK, PUT, WAIT, verb_of
 from shared.policies.wording import Words
 
@@ -74,6 +77,25 @@ def asks_nothing(phrase: Words, rows: range) -> bool:
     return any(not _excused(phrase, rows, mark) for mark in _marks(phrase, rows))
 
 
+def tells_state(phrase: Words, rows: range) -> bool:
+    """Whether a clause says how something is, and asks for nothing: "the bin is full"."""
+    found = _state(phrase, rows)
+    end = _subject(phrase, rows) + len(found.group().split()) if found else rows.stop
+    return found is not None and not _orders(phrase, range(end, rows.stop), asked=True)
+
+
+def _subject(phrase: Words, rows: range) -> int:
+    """Where a clause begins, after what only calls; "there is" calls nobody."""
+    begin = next((row for row in rows if phrase.words[row] not in INTERJECTIONS), rows.start)
+    is_there = phrase.words[begin - 1 : begin + 1] in (["there", "is"], ["there", "are"])
+    return begin - 1 if begin > rows.start and is_there else begin
+
+
+def _state(phrase: Words, rows: range) -> re.Match[str] | None:
+    begin = _subject(phrase, rows)
+    return STATES.match(" ".join(phrase.words[row] for row in range(begin, rows.stop)))
+
+
 def _marks(phrase: Words, rows: range) -> Iterable[Mark]:
     text = " ".join(phrase.words[row] for row in rows)
     text = ORDERS.sub(_blank, text)
@@ -81,11 +103,16 @@ def _marks(phrase: Words, rows: range) -> Iterable[Mark]:
         for found in pattern.finditer(text):
             begin, end = (rows.start + text[:at].count(" ") for at in found.span())
             yield Mark(begin, end + 1, pattern is DENIES, pattern is ENDS)
+    told = _subject(phrase, rows)
+    if found := _state(phrase, rows):
+        yield Mark(told, told + len(found.group().split()))
     for found in DOES.finditer(text):
         subject = rows.start + text[: found.start()].count(" ")
         row = rows.start + text[: found.end()].count(" ") + 1
         asked = phrase.words[max(subject - 1, rows.start)] in ASKING | NAMING
-        if not asked and _is_done(phrase.words, row, row - subject > 1):
+        begins = subject == told and phrase.words[subject - 1] not in ("now", "please")
+        long = row - subject > 1 or (begins and _has_object(phrase.words, row))
+        if not asked and _is_done(phrase.words, row, long):
             yield Mark(subject, row + 1)
     for row in rows:
         if phrase.words[row] == "no" and _none_of(phrase, rows, row):
@@ -96,8 +123,18 @@ def _is_done(words: list[str], row: int, long: bool) -> bool:
     """Whether the verb there tells what is or was done. long: more stands before it than a
     subject, so that "put" is of the past."""
     word = words[row]
-    acts = verb_of(words, row) and word.endswith(("ed", "ing"))
-    return bool(acts) or word in ACTED or (long and word == "put")
+    acts = bool(verb_of(words, row)) and word.endswith(("ed", "ing"))
+    does = words[row - 1] in ("he", "she", "it", "somebody", "someone") and word.endswith("s")
+    return (
+        bool(acts or (does and verb_of(words, row)))
+        or word in ACTED
+        or (long and word in UNCHANGED)
+    )
+
+
+def _has_object(words: list[str], row: int) -> bool:
+    """Whether something follows that is acted on: "you put it there"."""
+    return words[row + 1 : row + 2] != [] and words[row + 1] in DETERMINERS | {"it", "them"}
 
 
 def _none_of(phrase: Words, rows: range, row: int) -> bool:

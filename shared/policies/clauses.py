@@ -11,23 +11,27 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from shared.goals.language.encoder import WORD
-from shared.policies.asking import TELLS, is_idle, only_holds
+from shared.policies.asking import TELLS, is_idle, only_holds, tells_state
+from shared.policies.claims import WAS, was_there
+from shared.policies.later import put_off
+from shared.policies.located import SIDE
 from shared.policies.patterns import ALONE, BESIDE, MANY, OFF, SIDES
 from shared.policies.phrase import (
     ACT,
     CONTRAST,
     FILLER,
+    PARTS,
     PLACE,
     THING,
     words_of,
 )
+from shared.policies.questions import SUBJECTS, asks
 from shared.policies.verbs import MOVE, PICK, PUT, WAIT
 from shared.policies.wording import Words
 
 FORBIDS = "forbids something, and a prohibition can't be obeyed: say what to do instead"
 ASKS = "is a question: say what is to be done"
 EXCLUDES = "says what is not meant: name the thing or the place that is"
-SIDE = "names a side of a place, and only things are told apart by their sides: leave the side out"
 NEARBY = "is about a spot beside a place, and things are put on or in it: say 'on the plate'"
 REMOVES = "takes something off a place: say 'pick up', and its name"
 SEVERAL = "asks for several things: one thing at a time, by its name"
@@ -57,19 +61,15 @@ _JOINING = frozenset(("and", "or", "nor", "to", "you"))
 _ANY = re.compile(r"(?:any|some|every)(?:thing|where|one|place|body)|all")
 _BUT = frozenset(words_of("but except excluding other besides apart no without"))
 _MEATLESS = re.compile(r".+-free|non-.+|vegetarian|vegan|meatless")
-_AUXILIARY = frozenset(words_of("is are was were did does has had am do have should shall"))
-_SUBJECTS = frozenset(words_of("i we you they he she it that this the there"))
-_ONLY_PEOPLE = {"do": "i we you they", "have": "i we you they", "shall": "i", "should": "i we you"}
-_ASKING = re.compile(r"(?:who|what|where|when|why|how|which|whose)(?:'s|'re|'d)?")
 _BESIDES = frozenset(("stop", "leave"))
 """They are done with whatever else is."""
 _THEN = frozenset(("and", "then"))
 _ANEW = frozenset(("no", "rather", "instead", "sorry", "actually", "mean", "meant", "oh", "not"))
 """Between two acts they take back the first."""
-_KINDLY = frozenset(("mind", "able", "possible", "chance", "think", "could", "would", "please"))
 _SIDE = frozenset(("to", "the", "left", "right"))
 """They belong to the place that they stand before: "to the left" of the plate."""
-_GOING = frozenset(("goes", "belongs", "should", "needs"))
+_SAME = frozenset(words_of("make do watch mind do is was if bring with in on for that as"))
+"""Right before "it" they begin no act of its own: "and make it quick"."""
 
 
 class Clauses(NamedTuple):
@@ -94,8 +94,11 @@ def judged(said: str, parts: Sequence[int]) -> Clauses:
     gaps = [said[one.end() : two.start()] for one, two in itertools.pairwise(found)]
     begins = frozenset(row for row, gap in enumerate(gaps, 1) if _BREAK.search(gap))
     phrase = Words(said, [one.group() for one in found], list(parts), begins)
-    if only_holds(phrase):
+    later = put_off(phrase, _split(phrase))
+    if later == "" or (later is None and only_holds(phrase)):
         return Clauses(phrase.parts, holds=True)
+    if later or was_there(said):
+        return Clauses(phrase.parts, later or WAS)
     idle = TELLS if is_idle(phrase, _split(phrase)) else ""
     return _weighed(phrase)._replace(idle=idle)
 
@@ -109,9 +112,13 @@ def _weighed(phrase: Words) -> Clauses:
         return Clauses(phrase.parts, FORBIDS)
     if against and not phrase.tells(kept):
         return Clauses(phrase.parts, against[-1][1])
-    for rows, _ in against:
+    aside = [rows for rows in _split(phrase) if tells_state(phrase, rows)]
+    if not phrase.acts(row for row in kept if not any(row in rows for rows in aside)):
+        aside = []
+    for rows in (*(rows for rows, _ in against), *aside):
         for row in rows:
-            phrase.parts[row] = FILLER
+            keeps = rows in aside and phrase.parts[row] == THING  # "The cup is dirty, take it".
+            phrase.parts[row] = THING if keeps else FILLER
     why = _too_much(phrase, kept)
     return Clauses(phrase.parts, why) if why else _in_turn(phrase, kept)
 
@@ -139,7 +146,7 @@ def _judge(phrase: Words, rows: range) -> list[tuple[range, str]]:
     """A clause, or its two halves, each with why it can't be obeyed."""
     if _excludes(phrase, rows):
         return [(rows, EXCLUDES)]
-    if _asks(phrase, rows):
+    if asks(phrase, rows):
         return [(rows, ASKS)]
     if ALONE.search(" ".join(phrase.words[row] for row in rows)):
         return [(rows, FORBIDS)]
@@ -162,7 +169,7 @@ def _denies(phrase: Words, row: int, rows: range) -> bool:
     after = words[row + 1 : min(row + 3, rows.stop)]
     if word in _NOBODY or words[max(row - 1, 0) : row + 1] == ["no", "one"]:
         return bool(after) and after[0] in _TOLD
-    ordered = word in _ORDERS and words[max(row - 1, 0)] not in _SUBJECTS
+    ordered = word in _ORDERS and words[max(row - 1, 0)] not in SUBJECTS
     if not after or phrase.parts[row] not in ((ACT, FILLER) if ordered else (ACT,)):
         return False
     if word in _ENDING:
@@ -209,24 +216,6 @@ def _excludes(phrase: Words, rows: range) -> bool:
     return any(word in _BUT or _is_not(word) for word in after)
 
 
-def _asks(phrase: Words, rows: range) -> bool:
-    """Whether it is a question that asks for no act."""
-    told = [phrase.words[row] for row in rows if phrase.parts[row] != FILLER]
-    if len(told) < 2 or _KINDLY.intersection(phrase.words[row] for row in rows):
-        return False
-    first, second = told[:2]
-    if first in _AUXILIARY:
-        return second in _ONLY_PEOPLE.get(first, " ".join(_SUBJECTS)).split()
-    if first in ("can", "could", "may", "might", "must"):
-        return second == "i" and any(phrase.verb(row) == PUT for row in rows)
-    if not _ASKING.fullmatch(first):
-        return False
-    about = _AUXILIARY.union(("goes", "put")) if first != "who" else {second}
-    said = _GOING.intersection(told[2:]) or phrase.acts(rows)
-    done = second in ("did", "do", "does", "has", "have", "put") or first == "who"
-    return (second in about or "'" in first) and (done or not said)
-
-
 def _too_much(phrase: Words, kept: Sequence[int]) -> str:
     """Why what is wished can't be told apart: sides of places, what is taken off them, several."""
     named = any(phrase.parts[row] == THING for row in kept)
@@ -265,6 +254,8 @@ def _in_turn(phrase: Words, kept: Sequence[int]) -> Clauses:
     """Two acts, one after the other, are too much, unless what is put is what was taken before."""
     acts = [row for row in phrase.acts(kept) if phrase.verb(row) in (PICK, PUT, WAIT)]
     acts = [row for row in acts if phrase.words[row] not in _BESIDES]
+    if acts and (other := _another(phrase, acts[0], kept)):
+        return Clauses(phrase.parts, in_turn(" ".join(phrase.words[acts[0] : other])))
     for one, two in itertools.pairwise(acts):
         between = [
             row
@@ -282,6 +273,20 @@ def _in_turn(phrase: Words, kept: Sequence[int]) -> Clauses:
             return Clauses(phrase.parts, first=first)
         return Clauses(phrase.parts, in_turn(first))
     return Clauses(phrase.parts)
+
+
+def _another(phrase: Words, act: int, kept: Sequence[int]) -> int:
+    """Where an act begins that nobody here can do, after one that they can: "and hand it to me",
+    "and wash it"; 0 for none."""
+    for row in (row for row in kept if row > act and phrase.words[row] in _THEN):
+        verb = row + 1 + (phrase.words[row + 1 : row + 2] == ["then"])
+        said = phrase.words[verb : verb + 2]
+        unknown = (
+            len(said) > 1 and said[1] in ("it", "that", "them") and not phrase.verb(verb, PARTS)
+        )
+        if unknown and said[0] not in _SAME:
+            return row
+    return 0
 
 
 def in_turn(first: str) -> str:

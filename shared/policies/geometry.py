@@ -98,10 +98,14 @@ class Geometry(nn.Module):
 
     def held(self, proprioception: Tensor, objects: Tensor) -> Tensor:
         """Which objects are in a hand, [B, O] bool, of robots [B, 22] and [B, 18, 9]."""
+        return self.grips(proprioception, objects).amax(1) > 0
+
+    def grips(self, proprioception: Tensor, objects: Tensor) -> Tensor:
+        """1 for what is in each hand, left first, else 0, [B, 2, O]; of the same."""
         points = objects[:, :OBJECTS, :3]
         points = torch.where(present(objects)[:, :OBJECTS, None], points, AWAY_M)
         both = arms(proprioception)
-        return gripped_by(distances(points, both[..., 7:10]), both[..., 6]).amax(1) > 0
+        return gripped_by(distances(points, both[..., 7:10]), both[..., 6])
 
     def _valid(self, there: Tensor) -> Tensor:
         """Which tokens stand for something that is there, [R, K]."""

@@ -16,15 +16,18 @@ from shared.goals.language.encoder import shared_encoder
 from shared.messages.goal import Goal
 from shared.policies import checkpoint, reader
 from shared.policies.checkpoint import Tensors, sha256_tensors
+from shared.policies.claims import elsewhere
 from shared.policies.clauses import in_turn
 from shared.policies.geometry import MEASURES, Geometry, View
 from shared.policies.low_net import CHUNK, CLOSED_M, OPEN_M, LowNet, Motion, Orders, targets
-from shared.policies.lying import APART_M, cover_of, furthest
+from shared.policies.lying import APART_M, cover_of, furthest, place_of
 from shared.policies.meant import LEAST_ACT, PUTS, THINGS, Reading
-from shared.policies.reader import LEAST_NAME, Reader, Sentences
+from shared.policies.reader import Reader, Sentences
 from shared.policies.tokens import OPEN_GAP_M
+from shared.policies.weighed import LEAST_NAME
 from shared.policies.wishes import SLOTS
 
+ARMS = ("left", "right")
 LEAST_HELD = 0.05
 """What is in the hand is meant by a name that could be many things, "the slice", from here on."""
 
@@ -106,7 +109,10 @@ class LowLevel:
             why = f"the low level doesn't understand {goal.text!r}; nearest it knows"
         elif reading.first and _unheld(reading, held):
             why = f"{goal.text!r} {in_turn(reading.first)}; nearest"
-        elif missing := self._missing(reading, objects, held):
+        elif missing := (
+            self._missing(reading, objects, held)
+            or self._other_hand(reading.arm, proprioception, objects)
+        ):
             command = self.reader.commands[reading.command]
             why = f"{command!r} can't be done here, since {missing}; nearest"
         if not why:
@@ -117,9 +123,11 @@ class LowLevel:
     def nearest(
         self, proprioception: Floats, objects: Floats, goal: Goal
     ) -> list[tuple[str, float]]:
-        """The commands that a goal is nearest to, of those possible now, and their scores."""
+        """The commands that a goal is nearest to, of those possible now, and their scores; first
+        the one that it means, if that is possible."""
         empty = not self._held(proprioception, objects).any()
-        return self.reader.nearest(goal.text, _present(objects), empty)
+        reading = self._read(goal.text, objects)
+        return self.reader.nearest(goal.text, _present(objects), empty, reading)
 
     def anywhere(self) -> tuple[Floats, Floats]:
         """What it would sense, [22] and [18, 9], where all is there that a scene can have."""
@@ -136,6 +144,12 @@ class LowLevel:
         held: NDArray[np.bool_] = self._net.geometry.held(*seen)[0].numpy()
         return held
 
+    def _other_hand(self, arm: str, proprioception: Floats, objects: Floats) -> str:
+        """Why an arm can't put what is held, "" if it can or none is named."""
+        seen = torch.from_numpy(proprioception)[None], torch.from_numpy(objects)[None]
+        full = dict(zip(ARMS, self._net.geometry.grips(*seen)[0].amax(1).tolist(), strict=True))
+        return "" if not arm or full[arm] else f"the {arm} hand is empty: leave the hand out"
+
     def _missing(self, reading: Reading, objects: Floats, held: NDArray[np.bool_]) -> str:
         """Why a command that was understood can't be done now; "" if it can."""
         row = reading.command
@@ -143,10 +157,20 @@ class LowLevel:
         if not self._possible(row, _present(objects)):
             return "that isn't in the scene"
         if row in PUTS:
-            return _unheld(reading, held)
+            return _unheld(reading, held) or self._not_there(reading, objects, held)
         if reading.fit.side and held[[*reading.fit.rows]].any():
             return "it fits what is in the hand too: say its name"
         return self._buried(row, objects, held) if row < THINGS and not held[row] else ""
+
+    def _not_there(self, reading: Reading, objects: Floats, held: NDArray[np.bool_]) -> str:
+        """Why nothing can be put on a thing that is named; "" if that lies where it is put."""
+        there = place_of(objects)
+        for things in reading.onto:
+            fixture = self.reader.things[reading.command]
+            if not (things & ~held & (there == fixture)).any():
+                names = [self.reader.commands[row].split()[-1] for row in np.flatnonzero(things)]
+                return elsewhere(names, self.reader.commands[reading.command])
+        return ""
 
     def _buried(self, row: int, objects: Floats, held: NDArray[np.bool_]) -> str:
         """What lies on a thing; "" if it is free."""
@@ -170,9 +194,18 @@ class LowLevel:
     def _read(self, text: str, objects: Floats, apart_m: float = 0.0) -> Reading:
         """A phrase in a scene, where sides tell things apart that it fits alike."""
         reading = self.reader.read(text, _present(objects))
-        rows, side = reading.fit
-        row = furthest(rows, side, objects, apart_m) if side else None
-        return reading if row is None else reading._replace(command=row, why="")
+        fit = reading.fit
+        outside = place_of(objects) < 0
+        rows = [row for row in fit.rows if outside[row]] or list(fit.rows)
+        if not fit.side or (fit.two and len(rows) != 2):
+            return reading
+        row = furthest(rows, fit.side, objects, apart_m)
+        if row is None:
+            return reading
+        scores = reading.scores.copy()
+        scores[[*fit.rows]] = 0.0
+        scores[row] = reading.scores[[*fit.rows]].sum()  # It has the share of all that fit.
+        return reading._replace(command=row, why="", scores=scores)
 
     def _understood(
         self, goal: Goal, objects: Floats, proprioception: Floats | None = None

@@ -9,6 +9,10 @@ from shared.goals.family import Floats
 
 APART_M = 0.02
 """By so much further to a side lies what is meant by that side."""
+PLATE_M, BOX_M = 0.07, 0.10
+"""So near to the middle of the plate, or of bin or tub along each wall, a thing lies there."""
+FIRST = 15
+"""Row of the first fixture: the plate, before bin and tub."""
 ON_TOP_M = 0.045
 """Seen from above what lies on a thing is no further from its middle."""
 TOUCHING = 0.9
@@ -23,7 +27,21 @@ def furthest(rows: Sequence[int], side: str, objects: Floats, apart_m: float = 0
     sign = -1.0 if side == "left" else 1.0  # Left is where x is small.
     reach = [sign * float(objects[row, 0]) for row in rows]
     order = np.argsort(reach)[::-1]
+    if len(rows) < 2:
+        return rows[0] if rows else None
     return rows[order[0]] if reach[order[0]] - reach[order[1]] > apart_m else None
+
+
+def place_of(objects: Floats) -> NDArray[np.int64]:
+    """[15] On or in which fixture each thing lies, its row of `objects` [18, 9]; -1 for none."""
+    things, fixtures = objects[:FIRST, :2], objects[FIRST:, :2]
+    there = np.abs(objects).max(-1) > 0
+    off = things[:, None] - fixtures[None]  # [15, 3, 2]
+    reach = np.abs(off).max(-1) < BOX_M
+    reach[:, 0] = np.hypot(off[:, 0, 0], off[:, 0, 1]) < PLATE_M
+    reach &= there[:FIRST, None] & there[None, FIRST:]
+    found: NDArray[np.int64] = np.where(reach.any(1), FIRST + reach.argmax(1), -1)
+    return found
 
 
 def cover_of(

@@ -21,6 +21,8 @@ ENDS = _any(
     "hands off", "off limits", "(?:stay|keep|steer) (?:well )?(?:away|clear|off)",
     r"keep \w+ (?:\w+ )?off", r"(?:quit|stop) (?:\w+ing|it with)", "wants? leaving",
     r"leave (?!it |that |this )(?:\w+ )+(?:alone|be|where|as|off|out)",
+    r"(?<!you )(?<!n't )(?<!not )(?<!never )(?<!to )(?:mind|beware(?: of)?) (?:the|that|my|your)",
+    r"(?:look|watch) (?:at|out for) (?:the|that|my)", "(?:be )?careful (?:of|with) (?:the|that|my)",
     "(?:stays?|remains?) (?:put|there|where|in place|on the table)",
 )  # fmt: skip
 """What is to be ended or let alone."""
@@ -44,11 +46,31 @@ _WAS = (
 )  # fmt: skip
 TELLING = _any(*_DISLIKES, *_REMARKS, *_WAS)
 
+_HOW = "(?:(?:very|so|too|quite|rather|really|all|still|already|now|just|almost|nearly|a bit) )*"
+_SUBJECT = (
+    r"(?:(?:the|my|your|this|that|our) )?"
+    r"(?!(?:next|what|all|where|time|there|now|how|who|which|here)\b)\w+"
+    r"(?: (?!(?:that|which|i|we|you|next|up)\b)\w+)?"
+)
+_ASKED = (
+    r"(?:the|a|an|my|your|our|his|her|next|for|to|what|where|time|needed|wanted|required|due|"
+    r"supposed|going|after|one|who|that|it|it's|i|up|coming|waiting|allowed|meant|ready for|"
+    r"rubbish|"
+    r"trash|garbage|waste|junk|litter)\b"
+)
+"""After "is" they tell what is wished: "the ham is next", "it is for the bin"."""
+STATES = re.compile(
+    r"there(?: is|'s| are)(?: still| only)? (?:a|an|some|no) |"
+    rf"(?:(?:it|this|that|they|he|she)(?: is|'s| are|'re)|{_SUBJECT} (?:is|are)) {_HOW}(?!{_ASKED})"
+)
+"""A clause that begins so says how things are: "the bin is full", "it is in the tub"."""
 DOES = _any(
     "(?:you|he|she|it|they|we|i|somebody|someone|robot|arm|who)(?: have|'ve| has|'s| are| is|'re|"
     r" \w+ly| always| keeps?| just| only| already| almost)*(?= \w)"
 )
 """Somebody, up to what they do or did."""
+UNCHANGED = frozenset(("put", "set", "let"))
+"""Of the past too, where somebody does so to something: "you put it there"."""
 ACTED = frozenset(words_of("took taken threw thrown chose brought caught left gave laid got"))
 """What they did, where the verb has no -ed."""
 

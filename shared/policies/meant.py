@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shared.goals.family import Floats
+from shared.policies.located import PIECE
 from shared.policies.looks import Fit, fitting
 from shared.policies.phrase import Parts, likened, unlike
 from shared.policies.teller import softmax
@@ -30,6 +31,8 @@ class Reading(NamedTuple):
     command its probability. things: of each thing that it names how probable each of the [15] is.
     why: what is wrong with a phrase, if it is more than that it wasn't understood.
     first: what it says to do before. fit: the things that it fits alike, if they are several.
+    arm: the one that is to do it, "" for any. onto: of each thing that it is to be put on, [15]
+    bool, which that may be.
     """
 
     command: int | None
@@ -38,16 +41,19 @@ class Reading(NamedTuple):
     why: str = ""
     first: str = ""
     fit: Fit = Fit()
+    arm: str = ""
+    onto: tuple[NDArray[np.bool_], ...] = ()
 
 
 class Taken(NamedTuple):
     """A phrase as understood without its scene: logits of acts [8], of each thing [15 + 1] and
-    each place [4 + 1] that it names. parts: of what."""
+    each place [4 + 1] that it names. parts: of what. onto: as in `Reading`."""
 
     acts: Floats
     things: tuple[Floats, ...]
     places: tuple[Floats, ...]
     parts: Parts
+    onto: tuple[NDArray[np.bool_], ...] = ()
 
     def told(
         self, there: NDArray[np.bool_], count: int
@@ -58,7 +64,7 @@ class Taken(NamedTuple):
         missing = np.append(np.where(there[:THINGS], 0.0, ABSENT), 0.0).astype(np.float32)
         things = tuple(
             softmax(logits - missing)[:THINGS] if fits is None else _alike(fits & there[:THINGS])
-            for logits, fits in zip(self.things, map(fitting, self.parts.things), strict=True)
+            for logits, fits in zip(self.things, map(self._fitting, self.parts.things), strict=True)
         )
         acts, names = np.ones((2, count), np.float32)
         acts[:THINGS] = told["pick"]
@@ -72,6 +78,11 @@ class Taken(NamedTuple):
         names[PUTS] = known * (put * places + without_place) / acts[PUTS]
         acts[WAIT_ROW] = told["wait"]
         return acts, names, things
+
+    def _fitting(self, thing: str) -> NDArray[np.bool_] | None:
+        """[15] Which things a name fits that has only kinds and looks; by its side any may be
+        meant."""
+        return np.ones(THINGS, np.bool_) if self.parts.side and thing == PIECE else fitting(thing)
 
 
 def _alike(fits: NDArray[np.bool_]) -> Floats:

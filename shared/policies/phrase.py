@@ -18,6 +18,10 @@ POINTING = frozenset(
 )
 _HANDS = frozenset(("hand", "hands", "gripper", "claw", "fingers", "grip", "pincers", "fist"))
 _FIXTURES = frozenset(("plate", "dish", "table", "bin", "tub", "sandwich", "stack"))
+PLACES_OF = _FIXTURES | frozenset(
+    ("pile", "tray", "top", "counter", "worktop", "side", "others", "rest", "other", "box")
+)
+"""Names of places, and of what lies there."""
 _EMPTY = frozenset(
     ("them", "empty", "used", "dirty", "old", "poor", "lovely", "nice", "silly", "daft", "trusty",
      "left", "right", "leftmost", "rightmost", "left-hand", "right-hand", "far")
@@ -42,7 +46,9 @@ class Parts(NamedTuple):
     things: without their determiners. places: as they were said.
     why: why it can't be obeyed, "" if it can. first: what it says to do before.
     idle: why it may only ask to wait, "" if it may ask for more. holds: it asks to go on holding.
-    side: "left" or "right", where its thing lies.
+    side: "left" or "right", where its thing lies; two: since it doesn't lie on the other.
+    arm: "left" or "right", the arm or hand that it names. ranked: it ranks things, or tells them by
+    others. onto: things that it names where something is to be put.
     """
 
     frame: str
@@ -53,11 +59,15 @@ class Parts(NamedTuple):
     idle: str = ""
     holds: bool = False
     side: str = ""
+    two: bool = False
+    arm: str = ""
+    ranked: bool = False
+    onto: tuple[str, ...] = ()
 
     def texts(self) -> tuple[str, ...]:
         """All that must be embedded: the frame, things and places, what things are said not to
         be."""
-        return self.frame, *self.things, *self.places, *self.others()
+        return self.frame, *self.things, *self.places, *self.others(), *self.onto
 
     def others(self) -> tuple[str, ...]:
         """What its things are said not to be, and to be: "ham" and "one that" of "one that isn't
@@ -146,4 +156,5 @@ def _listed(nouns: list[str]) -> list[list[str]]:
 def _bare(noun: list[str]) -> list[str]:
     while len(noun) > 1 and noun[0] in DETERMINERS | _EMPTY:
         noun = noun[1:]
-    return noun
+    last = [word.removesuffix("'s") for word in noun[-1:]]  # "The cup's next".
+    return [*noun[:-1], *last]

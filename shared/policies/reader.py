@@ -19,12 +19,17 @@ from shared.errors import PolicyError
 from shared.goals.family import Floats
 from shared.policies import tagger, teller
 from shared.policies.checkpoint import Tensors
-from shared.policies.clauses import AGAINST, EXCLUDES, judged
+from shared.policies.claims import put_on
+from shared.policies.clauses import EXCLUDES, judged
 from shared.policies.examples import as_bytes, as_texts
-from shared.policies.looks import NOTHING, alike, among, as_things, side_of
+from shared.policies.located import arm_of, located
+from shared.policies.looks import (
+    KINDS,
+    as_things,
+    fitting,
+)
 from shared.policies.meant import (
     LEAST_ACT,
-    PLACES,
     PUTS,
     THINGS,
     WAIT_ROW,
@@ -33,6 +38,7 @@ from shared.policies.meant import (
     excluded,
 )
 from shared.policies.phrase import (
+    THING,
     Parts,
     plain,
     related,
@@ -44,11 +50,10 @@ from shared.policies.spelling import corrected
 from shared.policies.spoken import written
 from shared.policies.tagger import Tagger
 from shared.policies.teller import Teller, softmax
+from shared.policies.weighed import Scale
 
 NEAREST = 3
 REMEMBERED = 4096
-LEAST_NAME = 0.3
-"""A thing or place that is named is refused where it is less probable."""
 
 
 class Sentences(Protocol):
@@ -89,7 +94,7 @@ class Reader:
     ) -> None:
         self.commands, self.verbs, self.things = tuple(commands), verbs, things
         self._parts, self._acts, self._names, self._places = parts, acts, names, places
-        self._encoder = encoder
+        self._encoder, self._scale = encoder, Scale(self.commands, names.alike.owner)
         self._rows = {bare(text): row for row, text in enumerate(commands)}
         self._known = {
             word
@@ -111,7 +116,7 @@ class Reader:
         row = self._rows.get(said)
         if row is not None:
             return self._plainly(row)
-        reading = self._judged(self._taken(said), there)
+        reading = self._weighed(self._taken(said), there)
         if reading.command is None and not reading.why:
             return self._besides(said, there) or reading
         return reading
@@ -119,24 +124,10 @@ class Reader:
     def _plainly(self, row: int) -> Reading:
         return Reading(row, np.eye(len(self.commands), dtype=np.float32)[row])
 
-    def _judged(self, taken: Taken, there: NDArray[np.bool_]) -> Reading:
+    def _weighed(self, taken: Taken, there: NDArray[np.bool_]) -> Reading:
         if taken.parts.holds:
             return self._plainly(WAIT_ROW)
-        acts, names, things = taken.told(there, len(self.commands))
-        scores = acts * names
-        best = int(scores.argmax())
-        sure = acts[best] >= LEAST_ACT and names[best] >= LEAST_NAME
-        idle = taken.parts.idle if best != WAIT_ROW else ""
-        fixed = self._fixed(best if sure else None, taken.parts.things, there)
-        nothing = "" if all(thing.any() for thing in things) else NOTHING
-        why = taken.parts.why or idle or nothing or fixed
-        if why in AGAINST:
-            scores[best] = 0.0
-        if not why and acts[best] >= LEAST_ACT and best < THINGS:
-            fit = alike(names[:THINGS], taken.parts.side)
-            if len(fit.rows) > 1 and names[[*fit.rows]].sum() >= LEAST_ACT:
-                return Reading(None, scores, things, among(fit, self.commands), fit=fit)
-        return Reading(best if sure and not why else None, scores, things, why, taken.parts.first)
+        return self._scale(taken, there, self.possible(there))
 
     def _besides(self, said: str, there: NDArray[np.bool_]) -> Reading | None:
         """A phrase without its remarks, None where nothing of that can be obeyed; where it points
@@ -149,7 +140,7 @@ class Reader:
             named = {row: thing for remark in remarks for row, thing in self._named(remark)}
             things = tuple(named.values()) if len(named) == 1 else ()
             taken = self._take(taken.parts._replace(things=things))
-        reading = self._judged(taken, there)
+        reading = self._weighed(taken, there)
         return reading if reading.command is not None else None
 
     def _named(self, remark: str) -> list[tuple[int, str]]:
@@ -168,10 +159,17 @@ class Reader:
         return answer
 
     def nearest(
-        self, text: str, there: NDArray[np.bool_], empty: bool = False
+        self,
+        text: str,
+        there: NDArray[np.bool_],
+        empty: bool = False,
+        reading: Reading | None = None,
     ) -> list[tuple[str, float]]:
-        """The possible commands that a phrase is nearest to, with their scores; see `possible`."""
-        reading = self.read(text, there)
+        """The possible commands that a phrase is nearest to, with their scores; see `possible`.
+
+        reading: what it was read as, where more is known of the scene than what is there.
+        """
+        reading = reading or self.read(text, there)
         scores, can = reading.scores, self.possible(there, empty)
         if reading.command is not None and not can[reading.command]:
             acts, names, _ = self._taken(self.spelt(text)).told(there, len(self.commands))
@@ -190,15 +188,23 @@ class Reader:
 
     def apart(self, said: str) -> Parts:
         """A phrase, as it is spelt, taken apart."""
-        words = words_of(said)
+        found = located(said)
+        words = words_of(found.said)
         if not words:
             return Parts("", (), ())
-        parts = related(words, self._parts.parts(self._encoder.states(said)))
-        told = judged(said, as_things(words, parts))
-        apart = take_apart(words, told.parts)
-        side = side_of(said) if apart.things else ""
-        return apart._replace(
-            why=told.why, first=told.first, idle=told.idle, holds=told.holds, side=side
+        parts = related(words, self._parts.parts(self._encoder.states(found.said)))
+        parts = [THING if row in found.rows else part for row, part in enumerate(parts)]
+        told = judged(found.said, as_things(words, parts))
+        return take_apart(words, told.parts)._replace(
+            why=found.why or told.why,
+            first=told.first,
+            idle=told.idle,
+            holds=told.holds,
+            side=found.side,
+            two=found.two,
+            arm=arm_of(said),
+            ranked=found.ranked,
+            onto=put_on(found.said),
         )
 
     def _taken(self, said: str) -> Taken:
@@ -225,18 +231,16 @@ class Reader:
             tuple(things[text] for text in parts.things),
             tuple(self._places.chances(text, vectors[text]) for text in parts.places),
             parts,
+            tuple(filter(np.any, (self._known_as(text, vectors[text]) for text in parts.onto))),
         )
 
-    def _fixed(self, row: int | None, things: Sequence[str], there: NDArray[np.bool_]) -> str:
-        """Why a place that is named for a thing can't be taken, "" where something else is meant.
-
-        row: the command that was read.
-        """
-        if row is not None and (row >= THINGS or self.possible(there)[row]):
-            return ""
-        here = [name for at, name in enumerate(PLACES[:-1], THINGS) if there[at]]
-        named = next((name for name in here if name in things), "")
-        return f"can't be done: nobody here can take the {named}" if named else ""
+    def _known_as(self, text: str, vector: Floats) -> NDArray[np.bool_]:
+        """[15] Which things a name surely is of."""
+        fits = fitting(text)
+        if fits is not None:
+            return fits if not KINDS.issuperset(words_of(text)) else np.zeros(THINGS, np.bool_)
+        told: NDArray[np.bool_] = softmax(self._names.chances(text, vector))[:THINGS] >= LEAST_ACT
+        return told
 
     def with_encoder(self, encoder: Sentences) -> "Reader":
         """The same reader, which has read nothing yet, with another encoder."""

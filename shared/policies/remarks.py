@@ -7,7 +7,7 @@ from typing import NamedTuple
 from shared.policies.phrase import words_of
 
 _STOPS = re.compile(r"[,.;:!?]+\s+|\s+-+\s+|\s+(?=so (?!that))")
-_INTERJECTIONS = frozenset(
+INTERJECTIONS = frozenset(
     words_of(
         "hmm hm um uh erm er ah oh ooh ow ouch whoops oops well so now right okay ok look listen "
         "no nope yes yeah yep eww ew yuck ugh phew gosh blimey crikey wow please sorry hey "
@@ -27,7 +27,7 @@ _BESIDE = frozenset(words_of("as like because since too still before while prett
 """A clause that begins so is none either, whatever it says."""
 _STATES = re.compile(
     r"(?:is|are|was|were|has|have|had|am|will|went|fell|left|ate|drank|took|got|did|broke|spilt|"
-    r"forgot|made|came|ran|knew|saw|thought|looks|seems|\w+'s|\w+'ve|\w+'re|\w+n't|\w{2,}ed)"
+    r"forgot|made|came|ran|knew|saw|thought|looks|seems|\w+'s|\w+'ll|\w+'ve|\w+'re|\w+n't|\w{2,}ed)"
 )
 _WISHES = frozenset(words_of("need needs want wants goes belongs should must please"))
 _VAGUE = frozenset(words_of("something some more somewhere space room"))
@@ -52,7 +52,7 @@ def set_apart(said: str) -> Clauses:
 
 def is_remark(words: Sequence[str]) -> bool:
     """Whether a clause of these words tells how things are, or only calls."""
-    start = next((at for at, word in enumerate(words) if word not in _INTERJECTIONS), len(words))
+    start = next((at for at, word in enumerate(words) if word not in INTERJECTIONS), len(words))
     told = words[start:]
     if not told or told[0] in _BESIDE or (len(told) == 1 and told[0].endswith("ly")):
         return True

@@ -16,7 +16,7 @@ _VERBS = {
     "junk yeet huck hoy eject perch nestle drape plant unload offload stash stow tuck cram stuff "
     "shove transfer relocate consign unhand relinquish plate tub",
     WAIT: "wait pause stop halt freeze",
-    HOLD: "hold keep touch stay stand",
+    HOLD: "hold keep touch stay stand remain bide linger",
     MOVE: "move do go carry start",
 }
 _PAST = {"taken": PICK, "thrown": PUT, "laid": PUT}

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from services.learner.experiments import sides
 from services.learner.experiments.bench import Bench
 from services.learner.experiments.findings import Findings, Panel, Plot, Table, cell, curve
 from services.learner.experiments.scenes import setting_for
@@ -38,6 +39,7 @@ def run(bench: Bench) -> Findings:
             "did_the_obvious": rate([one.obvious in one.done for one in contrary]),
         },
         "outlandish": rate([bool(one.refused) for one in outlandish]),
+        "sides": sides.figures(bench),
     }
     return Findings(
         title="Language: what is said is done",
@@ -55,6 +57,9 @@ def run(bench: Bench) -> Findings:
             "Outlandish: sentences that no robot here can obey, with words never taught; success "
             "is that they are refused. These, and the everyday ones to be refused, are said with "
             "something in a hand, so that picks and puts are possible.",
+            "Sides: of two things that one name fits, the left or the right one is told, in "
+            f"{len(sides.FORMS)} forms, with and without 'no', each for both; success is that "
+            "this one was taken, the opposite that the other one was.",
         ),
         figures=figures,
         tables=(
@@ -198,6 +203,17 @@ def _table(figures: dict[str, Any]) -> Table:
         ("contrary, without waits, achieved", *_rate(contrary["moving"])),
         ("contrary, the obvious done instead", *_rate(contrary["did_the_obvious"])),
         ("outlandish, refused", *_rate(outlandish)),
+        ("told by its side, taken", *_rate(figures["sides"])),
+        *(
+            (f"told by its side, {side}, taken", *_rate(found))
+            for side, found in figures["sides"]["sides"].items()
+        ),
+        *(
+            (f"told as '{form}', taken", *_rate(found))
+            for form, found in figures["sides"]["forms"].items()
+        ),
+        ("told by its side, refused", *_rate(figures["sides"]["refused"])),
+        ("told by its side, the opposite taken", *_rate(figures["sides"]["opposite"])),
     )
     return Table(title="In short", columns=("what", "share (95 %)", "n"), rows=rows)
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from services.learner.experiments import horizon, language, replanning, transitions
+from services.learner.experiments import horizon, language, replanning, sides, transitions
 from services.learner.experiments.bench import slug
 from services.learner.experiments.registry import EXPERIMENTS, experiment_named
 from services.learner.experiments.scenes import setting_for
@@ -94,7 +94,9 @@ def test_language_is_measured_with_real_phrases_and_not_done_twice(tmp_path):
     jobs = bench.pool.jobs
     everyday = len({phrases[0] for told in writings() for phrases in told.said.values()})
     impossible = len({told.refused[0] for told in writings()})
-    assert jobs == everyday + impossible + len(COMMANDS) + 1 + len(unheard_refusals())
+    sided = found.figures["sides"]["n"]
+    assert sided % (len(sides.FORMS) * len(sides.BEFORE) * len(sides.SIDES)) == 0
+    assert jobs == everyday + impossible + len(COMMANDS) + 1 + len(unheard_refusals()) + sided
     assert found.figures["reworded"]["n"] == len(COMMANDS)
     assert found.figures["everyday"]["n"] == everyday
     assert found.figures["everyday"]["impossible"]["n"] == impossible

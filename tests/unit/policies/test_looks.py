@@ -6,12 +6,13 @@ import pytest
 from shared.goals.language.encoder import shared_encoder
 from shared.messages.goal import LanguageGoal
 from shared.policies import checkpoint, looks
-from shared.policies.looks import Fit, alike, fitting, side_of
+from shared.policies.located import located
+from shared.policies.looks import Fit, alike, fitting
 from shared.policies.low_level import LowLevel
 from shared.policies.lying import cover_of, furthest
 from shared.policies.phrase import ACT, FILLER, THING
 from shared.workcell.objects import BODY_NAMES, HALF_HEIGHTS_M, OBJECT_NAMES, OBJECTS, TABLE, index
-from tests.unit.policies.scenes import senses
+from tests.unit.policies.reads import said, scene
 
 DISHES = np.array([name in TABLE for name in BODY_NAMES])
 
@@ -19,23 +20,6 @@ DISHES = np.array([name in TABLE for name in BODY_NAMES])
 @pytest.fixture(scope="module")
 def low_level() -> LowLevel:
     return LowLevel.load(checkpoint.bundled("low_level"), shared_encoder())
-
-
-def scene(**at: float) -> tuple[np.ndarray, np.ndarray]:
-    """Only these things lie there, each at its x."""
-    body, objects = senses()
-    objects[:, :] = 0.0
-    for row, name in enumerate(BODY_NAMES):
-        if name in at or name in ("bin", "tub"):
-            objects[row, :4] = at.get(name, 0.0), 0.03 * row, 0.01, 1.0
-    return body, objects
-
-
-def said(low_level: LowLevel, text: str, **at: float) -> tuple[str, str]:
-    """What it is taken for, and why it can't be done."""
-    body, objects = scene(**at)
-    goal = LanguageGoal(text=text)
-    return low_level.meaning(goal, objects) or "", low_level.objection(body, objects, goal)
 
 
 def fits(name: str) -> set[str] | None:
@@ -70,7 +54,7 @@ def test_looks_are_those_of_the_things_in_the_cell() -> None:
     ],
 )  # fmt: skip
 def test_a_side_is_said_of_a_thing(text: str, side: str) -> None:
-    assert side_of(text) == side
+    assert located(text).side == side
 
 
 @pytest.mark.parametrize(
