@@ -104,8 +104,8 @@ def _marks(phrase: Words, rows: range) -> Iterable[Mark]:
             begin, end = (rows.start + text[:at].count(" ") for at in found.span())
             yield Mark(begin, end + 1, pattern is DENIES, pattern is ENDS)
     told = _subject(phrase, rows)
-    if found := _state(phrase, rows):
-        yield Mark(told, told + len(found.group().split()))
+    if state := _state(phrase, rows):
+        yield Mark(told, told + len(state.group().split()))
     for found in DOES.finditer(text):
         subject = rows.start + text[: found.start()].count(" ")
         row = rows.start + text[: found.end()].count(" ") + 1

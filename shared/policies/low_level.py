@@ -165,6 +165,7 @@ class LowLevel:
     def _not_there(self, reading: Reading, objects: Floats, held: NDArray[np.bool_]) -> str:
         """Why nothing can be put on a thing that is named; "" if that lies where it is put."""
         there = place_of(objects)
+        assert reading.command is not None
         for things in reading.onto:
             fixture = self.reader.things[reading.command]
             if not (things & ~held & (there == fixture)).any():
