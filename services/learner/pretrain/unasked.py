@@ -1,7 +1,7 @@
 """What asks for nothing: prohibitions, complaints and remarks, and how many of them are acted out.
 
-Each file of `unasked/` has phrases by way of speaking. By `a` the rules on clauses grew; `b` is
-`held_out`: it was written before those rules, and nobody looked at what was missed in it.
+Each file of `unasked/` has phrases by way of speaking. By `a` the rules on clauses grew; the
+others are `held_out`: no rule was made by one, and nobody looked at what was missed in it.
 `python -m services.learner.pretrain.unasked` counts.
 """
 

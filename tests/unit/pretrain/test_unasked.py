@@ -13,17 +13,17 @@ def reader() -> Reader:
     return restore(checkpoint.load(checkpoint.bundled("low_level"))[0], shared_encoder())
 
 
-def test_two_hundred_phrases_ask_for_nothing_and_half_of_them_is_held_out() -> None:
-    counts = {one.held_out: len(set(one.phrases)) for one in unasked()}
-    assert sum(counts.values()) >= 200
-    assert counts[True] >= counts[False]
+def test_many_phrases_ask_for_nothing_and_most_of_them_are_held_out() -> None:
+    counts = {one.name: len(set(one.phrases)) for one in unasked()}
+    assert all(count >= 120 for count in counts.values())
+    assert [one.name for one in unasked() if not one.held_out] == ["a"]
     shared = set.intersection(*(set(one.phrases) for one in unasked()))
     assert not shared
 
 
-@pytest.mark.parametrize(("held_out", "share"), [(False, 0.95), (True, 0.85)])
-def test_few_of_them_are_acted_out(reader: Reader, held_out: bool, share: float) -> None:
-    (phrases,) = [one.phrases for one in unasked() if one.held_out is held_out]
+@pytest.mark.parametrize(("name", "share"), [("a", 0.95), ("b", 0.85), ("c", 0.7)])
+def test_few_of_them_are_acted_out(reader: Reader, name: str, share: float) -> None:
+    (phrases,) = [one.phrases for one in unasked() if one.name == name]
     assert len(acted_out(reader, phrases)) <= (1 - share) * len(phrases)
 
 
