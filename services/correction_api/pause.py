@@ -15,7 +15,7 @@ from services.correction_api.parts import Parts
 from services.correction_api.problems import Problem
 from services.correction_api.show import show_correction
 from services.correction_api.store.log import Entry, Status
-from services.correction_api.utterance import Nanoseconds, Utterance, Words
+from services.correction_api.utterance import Line, Nanoseconds, Utterance
 from services.correction_api.views import CorrectionView, Presence, View
 from shared.messages.correction import Kind
 from shared.messages.message import Id
@@ -40,7 +40,7 @@ class PauseBody(BaseModel):
     robots: Annotated[tuple[Id, ...], Field(min_length=1, max_length=256)] | None = None
     author: Id = "person"
     begun_ns: Nanoseconds | None = None
-    note: Words | None = None
+    note: Line | None = None
     id: Id | None = None
 
     def utterance(self, author: str | None) -> Utterance:

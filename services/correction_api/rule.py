@@ -6,7 +6,7 @@ from pydantic import BaseModel, ConfigDict, Field, JsonValue, model_validator
 
 from services.correction_api.archive import Archive
 from services.correction_api.problems import Problem
-from services.correction_api.utterance import Words
+from services.correction_api.utterance import Line
 from shared.messages.lineage import Lineage
 from shared.messages.message import Id, new_id
 from shared.messages.ruling import Ruling, Verb
@@ -34,7 +34,7 @@ class RulingBody(BaseModel):
     verb: Literal[Verb.PROMOTE, Verb.ROLLBACK]
     round: Annotated[int, Field(strict=True, ge=1, le=2**31 - 1)] | None = None
     version: Annotated[int, Field(strict=True, ge=0, le=2**31 - 1)] | None = None
-    reason: Words
+    reason: Line
     author: Id
     id: Id | None = None
 

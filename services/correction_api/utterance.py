@@ -16,15 +16,15 @@ JOINERS = "\u200c\u200d"  # Some scripts can't be written without them.
 FORBIDDEN = {"Cc", "Cf", "Cs", "Zl", "Zp"}
 
 
-def check_words(text: str) -> str:
-    """The words without spaces around them.
+def check_line(text: str) -> str:
+    """One line without spaces around it.
 
     Raises:
         ValueError: nothing is left, it is too long, or a character can't be seen by a reader.
     """
     text = unicodedata.normalize("NFC", text.strip())
     if not text:
-        raise ValueError("say what the robot shall do, such as 'pick up the cheese'; it was empty")
+        raise ValueError("it was empty: write a line")
     if len(text) > MAX_TEXT:
         raise ValueError(f"{len(text)} characters are too many; at most {MAX_TEXT}")
     for place, letter in enumerate(text):
@@ -36,6 +36,18 @@ def check_words(text: str) -> str:
     return text
 
 
+def check_words(text: str) -> str:
+    """What is said to a robot, as `check_line` has it.
+
+    Raises:
+        ValueError: it is none of these.
+    """
+    if not text.strip():
+        raise ValueError("say what the robot shall do, such as 'pick up the cheese'; it was empty")
+    return check_line(text)
+
+
+Line = Annotated[str, AfterValidator(check_line)]
 Words = Annotated[str, AfterValidator(check_words)]
 Count = Annotated[int, Field(strict=True, ge=0, le=MAX_STEP)]
 Nanoseconds = Annotated[int, Field(strict=True, ge=0, le=MAX_NS)]
@@ -120,8 +132,8 @@ class Utterance(BaseModel):
     author: Id = "person"
     delay_steps: Annotated[int, Field(strict=True, ge=0, le=10_000)] = 0
     id: Id | None = None
-    heard: Words | None = None
-    note: Words | None = None
+    heard: Line | None = None
+    note: Line | None = None
 
     @model_validator(mode="after")
     def _check_kind(self) -> Self:

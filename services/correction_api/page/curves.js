@@ -80,7 +80,7 @@ const at = (x, names) =>
 
 function series({ label, dashed, dots, colour: name, apart }, colour) {
   const points = { show: !apart && (!dashed || dots), size: 8, fill: colour(name), stroke: colour(name) };
-  const edge = { stroke: null, width: 0, points: { show: false } };
+  const edge = { stroke: null, width: 0, points: { show: false }, spanGaps: true };
   const stroke = apart ? "transparent" : colour(name);
   return [{ label, stroke, width: 2, dash: dashed ? DASH : [], points, spanGaps: true }, edge, edge];
 }

@@ -10,7 +10,7 @@ const REFUSED =
 export function Lock() {
   const unlock = (event) => {
     event.preventDefault();
-    token.set(event.target.elements.token.value);
+    token.set(event.target.elements.token.value.trim());
     location.reload();
   };
   return html`

@@ -65,7 +65,7 @@ function Brought({ rounds }) {
       ${rounds.some(unmeasured) &&
       html`<p class="small">
         Whether robots succeed more often is measured where one asks for it:${" "}
-        <code>hld up --oracle --evaluate 60</code> tries each version on 60 evaluation seeds, and with
+        <code>hld up --oracle --evaluate 60</code> tries each version on 60 evaluation seeds, and with${" "}
         <code>hld up --gate 60</code> (the learner's <code>gate.trials.episodes</code>) the gate tries
         each candidate beside the version in force. Then this says “14 corrections: 52 % → 71 %,
         n = 200”.
@@ -205,7 +205,7 @@ function Rounds({ rounds, versions }) {
                   <td>${count(one.episodes, "episode")}, ${count(one.corrections, "correction")}</td>
                   <td>${change(one.held_out)}</td>
                   <td>${change(one.retained)}</td>
-                  <td>${change(one.trials)}${one.trials_p === null ? "" : `, p = ${one.trials_p.toFixed(3)}`}</td>
+                  <td>${change(one.trials)}${one.trials_p === null ? "" : `, p ${probability(one.trials_p)}`}</td>
                   <td>${one.ended_ns ? when(one.ended_ns) : "–"}</td>
                 </tr>
               `,
@@ -216,3 +216,5 @@ function Rounds({ rounds, versions }) {
     </section>
   `;
 }
+
+const probability = (p) => (p < 0.001 ? "< 0.001" : `= ${p.toFixed(3)}`);

@@ -30,7 +30,7 @@ export function Decide({ policy, done }) {
         label="Put out what the gate held back: round"
         act="Promote"
         none="the gate held nothing back"
-        options=${fit.map(({ number, brought }) => [number, `${number}: ${brought}`])}
+        options=${fit.map(({ number }) => [number, `${number}`])}
         done=${done}
       />
       <p role="status" class=${form.wrong ? "notice" : "small"}>${form.notice}</p>

@@ -53,6 +53,7 @@ def test_axe_finds_nothing_on_pages_with_episodes_and_things_said(
             expect(page.locator(wanted).first).to_be_visible()
             page.wait_for_load_state("networkidle")
             found[path] = violations(page)
+            assert page.evaluate("document.documentElement.scrollWidth") <= size[0]
     assert found == {path: [] for path in found}
 
 
