@@ -11,8 +11,11 @@ export function show(head, jpeg) {
   if (!board.busy) draw(board);
 }
 
-/** The control step of the picture that a person sees now, and its episode. */
-export const seen = (robot) => boards.get(`${robot}/angle`)?.seen ?? null;
+/** The control step of the picture that a person sees now, and its episode; null: none is in view. */
+export function seen(robot) {
+  const board = boards.get(`${robot}/angle`);
+  return board?.inView ? board.seen : null;
+}
 
 async function draw(board) {
   board.busy = true;
@@ -50,12 +53,17 @@ export class Picture extends Component {
 
   componentDidMount() {
     const { robot, camera, rate, turn } = this.props;
-    this.board = boards.get(`${robot}/${camera}`) ?? { canvases: new Set(), seen: null };
+    this.board = boards.get(`${robot}/${camera}`) ?? {
+      canvases: new Set(),
+      seen: null,
+      inView: 0,
+    };
     boards.set(`${robot}/${camera}`, this.board);
     this.board.canvases.add(this.canvas);
     this.eye = new IntersectionObserver(([entry]) => {
       if (this.looking === entry.isIntersecting) return;
       this.looking = entry.isIntersecting;
+      this.board.inView += this.looking ? 1 : -1;
       turn(robot, camera, rate, this.looking);
     });
     this.looking = false;
@@ -67,7 +75,9 @@ export class Picture extends Component {
     this.eye.disconnect();
     this.board.canvases.delete(this.canvas);
     if (!this.board.canvases.size) boards.delete(`${robot}/${camera}`);
-    if (this.looking) turn(robot, camera, rate, false);
+    if (!this.looking) return;
+    this.board.inView -= 1;
+    turn(robot, camera, rate, false);
   }
 
   render({ robot, camera }) {

@@ -42,7 +42,7 @@ function Tile({ robot, number, turn }) {
           ${robot.by === "person" && html`<i aria-label="told">✎</i> `}${robot.command?.text ?? "no command"}
         </span>
         <span class=${`doing ${call ? "doubt" : mark}`}>
-          ${call ? `? ${doubt(call)}` : doing(robot)}
+          ${call ? `? ${doubt(call)}${frozen && `, ${frozen}`}` : doing(robot)}
         </span>
       </span>
     </button>

@@ -6,8 +6,9 @@ import { count } from "./words.js";
 const TAKEN_BACK = ["override", "release", "approve", "relabel", "fault", "edit", "retime", "endorse"];
 
 export function SaidTable({ episode, retract }) {
-  const approved = episode.said.filter(({ kind }) => kind === "approve" || kind === "pass");
-  const told = episode.said.filter((one) => !approved.includes(one));
+  const verdicts = episode.said.filter(({ kind }) => kind === "approve" || kind === "pass");
+  const told = episode.said.filter((one) => !verdicts.includes(one));
+  const approved = verdicts.filter(stands);
   return html`
     <section class="panel" aria-label="What was said">
       <h2>What was said</h2>
@@ -38,9 +39,11 @@ export function SaidTable({ episode, retract }) {
   `;
 }
 
+const stands = ({ retracted, view }) =>
+  !retracted && !["refused", "expired"].includes(view.status);
+
 function Row({ one, episode, retract }) {
   const { correction, reason } = one.view;
-  const stands = !one.retracted && !["refused", "expired"].includes(one.view.status);
   return html`
     <tr data-correction=${correction.id} class=${one.retracted ? "gone" : ""}>
       <th scope="row">${one.kind}</th>
@@ -49,7 +52,7 @@ function Row({ one, episode, retract }) {
       <td data-label="steps:">${steps(one, episode.steps)}</td>
       <td class="state">${state(one)}${reason && `: ${reason}`}</td>
       <td>
-        ${stands &&
+        ${stands(one) &&
         TAKEN_BACK.includes(one.kind) &&
         html`<button onClick=${() => retract(correction.id)}>Take back</button>`}
       </td>

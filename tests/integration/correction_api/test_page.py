@@ -76,6 +76,27 @@ def test_a_correction_names_the_step_of_the_picture_that_was_seen_and_when_it_wa
     assert 0.25e9 < told.created_ns - told.begun_ns < 60e9
 
 
+def test_who_has_scrolled_the_picture_away_corrects_the_newest_decision_and_no_old_picture(
+    browser: Browser, api: httpx.Client, robot: FakeRobot
+) -> None:
+    robot.decide()
+    with opened(browser, api, PHONE, has_touch=True) as page:
+        picture = page.locator(".focus canvas.angle.drawn")
+        expect(picture).to_have_count(1)
+        page.evaluate("document.documentElement.style.paddingBottom = '2000px'")
+        page.evaluate("scrollTo(0, 2000)")
+        expect(picture).not_to_be_in_viewport()
+        page.wait_for_timeout(300)  # The page has seen that, too.
+        robot.deaf = True  # No step comes any more but by its next decision.
+        robot.step += 400
+        robot.command = COMMANDS[4]
+        decision = robot.decide()
+        expect(page.locator(".focus .caption q")).to_have_text(COMMANDS[4])
+        page.keyboard.press("3")
+        told = eventually(lambda: robot.heard)[0]
+    assert told.seen_step == decision.step
+
+
 def test_only_the_robot_in_focus_is_seen_at_full_rate_and_a_hidden_page_sees_nothing(
     browser: Browser, api: httpx.Client, robot: FakeRobot, router: MemoryRouter
 ) -> None:
