@@ -10,12 +10,16 @@ import { Overview } from "./overview.js";
 import { Line, Panel } from "./panel.js";
 import { show } from "./pictures.js";
 import { Rail } from "./rail.js";
-import { watchOverruled } from "./said.js";
+import { watchLifted, watchOverruled } from "./said.js";
 import { settle } from "./say.js";
 import { cancel, listenForSpeech } from "./speak.js";
 import { author, focus, hear, loadHistory, loadTally, names, onChange, state, touch } from "./store.js";
 
+const INTRODUCE_MS = 400; // After the last letter of a name.
+
 let live = null;
+let coming = ""; // the name that is told next, or was
+let introducing = 0;
 const turn = (robot, camera, rate, on) => live.turn(robot, camera, rate, on);
 
 function Page() {
@@ -49,11 +53,24 @@ function Outage() {
 }
 
 /** Who sits before this page, and which robot they look at: so that others see it. */
-const present = () => ({ author: author(), focus: state.focused });
+function present() {
+  state.introduced = author();
+  return { author: state.introduced, focus: state.focused };
+}
 
 function heard(message) {
   hear(message);
   watchOverruled(message);
+  watchLifted(message);
+}
+
+/** The name under which others see this page follows the one that is typed. */
+function introduce() {
+  const name = author();
+  if (name === coming || !live) return;
+  coming = name;
+  clearTimeout(introducing);
+  introducing = setTimeout(() => live.look(), INTRODUCE_MS);
 }
 
 function linked(yes) {
@@ -78,7 +95,10 @@ function lock() {
 
 async function start() {
   onRefused(lock);
-  onChange(() => render(html`<${state.locked ? Lock : Page} />`, document.body));
+  onChange(() => {
+    introduce();
+    render(html`<${state.locked ? Lock : Page} />`, document.body);
+  });
   try {
     const { person } = await get("me");
     state.person = person;

@@ -78,5 +78,20 @@ export function watchOverruled({ type, correction: view }) {
   tell(...overruled(view));
 }
 
+/** Say so, when somebody else lets a robot carry on that one froze oneself. */
+export function watchLifted({ type, correction: view }) {
+  const lifts = type === "correction" && view.correction.kind === "resume" && view.status === "in force";
+  if (!lifts || view.correction.author === author() || told.has(view.correction.id)) return;
+  told.add(view.correction.id);
+  const { robot } = view.correction;
+  const before = (state.corrections[robot] ?? []).filter(
+    (one) => one.status === "in force" && one.sequence < view.sequence,
+  );
+  const ofKind = (kind) => before.filter(({ correction }) => correction.kind === kind);
+  const last = Math.max(0, ...ofKind("resume").map(({ sequence }) => sequence));
+  const own = ofKind("pause").some((one) => one.sequence > last && one.correction.author === author());
+  if (own) tell(`${view.correction.author} let ${robot} carry on, which you froze`, "bad");
+}
+
 const fresh = ({ phrase, learned_in }) =>
   phrase && !phrase.known && !learned_in ? " · new to the policy" : "";

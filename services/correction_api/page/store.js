@@ -19,6 +19,7 @@ export const state = {
   focused: null,
   name: localStorage.getItem(AUTHOR) ?? "person", // as it was typed; see `author`
   person: null, // whose token this page has, where tokens have names
+  introduced: null, // the name under which others see this page
   here: [], // who else has a page open: name and robots in focus
   robots: {},
   learner: null,
@@ -88,7 +89,9 @@ function refocus(robot) {
 
 /** Who else looks at a robot. */
 export const others = (robot) =>
-  state.here.filter(({ name, robots }) => name !== author() && robots.includes(robot));
+  state.here.filter(
+    ({ name, robots }) => ![author(), state.introduced].includes(name) && robots.includes(robot),
+  );
 
 /** The robot's call for help, if one is open. */
 export const callOf = (robot) => state.help.asking.find((call) => call.robot === robot);
