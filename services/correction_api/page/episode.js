@@ -26,6 +26,8 @@ const state = {
   playing: false,
   speed: 2,
   notice: "",
+  problem: "", // of what was said of a stretch and not kept
+  told: "", // that it was
   away: "",
 };
 let account = null;
@@ -103,7 +105,7 @@ function proceed() {
 function select(span, dragging) {
   if (!state.span && span) state.begunNs = nowNs();
   if (dragging) look(span);
-  Object.assign(state, { span, dragging, notice: "" });
+  Object.assign(state, { span, dragging, notice: "", problem: "", told: "" });
   touch();
 }
 
@@ -163,8 +165,12 @@ function keys(event) {
 }
 
 async function kept(problem) {
-  if (!problem) close();
-  state.notice = problem;
+  const [first, end] = state.span;
+  state.problem = problem;
+  if (!problem) {
+    close();
+    state.told = `Kept for the learner, of steps ${first} to ${end}.`;
+  }
   await load();
 }
 
@@ -204,12 +210,13 @@ function view() {
         !state.dragging &&
         html`<div class="form" ref=${reveal}>
           <${Relabel}
-            ...${{ episode, span: state.span, bank: state.bank, close, said: kept }}
+            ...${{ episode, span: state.span, bank: state.bank, close, said: kept, problem: state.problem }}
             begunNs=${state.begunNs}
             setSpan=${(span) => select(span, false)}
           />
         </div>`}
       </div>
+      <p class="small" role="status">${state.told}</p>
       <${SaidTable} ...${{ episode, retract }} />
       <${Anatomy} ...${episode} />
     </main>

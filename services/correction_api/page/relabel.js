@@ -1,23 +1,29 @@
 // "This should have been …": a stretch of an episode that is over, and the command for it.
-import { get, newId, post } from "./api.js";
+import { Problem, get, newId, post } from "./api.js";
 import { within } from "./account.js";
 import { Component, html } from "./html.js";
 import { person } from "./shell.js";
 import { verdict } from "./verdict.js";
 
 const SUGGESTED = 6;
+const UNHEARD = "The service cannot be reached: whether it was kept is not known. Try again, it is kept once.";
 const PAUSE_MS = 150; // after the last letter, before the robot is asked
 
-/** The form for a stretch; `close` ends it, `said` is called with what was kept. */
-export function Relabel({ episode, span, bank, setSpan, close, said, begunNs }) {
+let attempt = { words: "", id: "" }; // The same words again are the same correction.
+
+/** The form for a stretch; `close` ends it, `said` is called with the problem, "" if it was kept. */
+export function Relabel({ episode, span, bank, setSpan, close, said, begunNs, problem }) {
   const covered = within(episode.decisions, span);
   const proposed = suggestions(covered);
   const send = async (body) => {
+    const whole = { first_step: span[0], end_step: span[1], begun_ns: begunNs, ...body };
+    const words = JSON.stringify(whole);
+    if (attempt.words !== words) attempt = { words, id: newId() };
     try {
-      await say(episode, { first_step: span[0], end_step: span[1], begun_ns: begunNs, ...body });
+      await say(episode, { ...whole, id: attempt.id });
       said("");
-    } catch (problem) {
-      said(problem.message);
+    } catch (error) {
+      said(error instanceof Problem ? error.message : UNHEARD);
     }
   };
   const submit = (event) => {
@@ -50,6 +56,7 @@ export function Relabel({ episode, span, bank, setSpan, close, said, begunNs }) 
           `,
         )}
       </p>`}
+ ${problem && html`<p class="notice" role="alert">${problem}</p>`}
       <div class="actions">
         <button class="primary" disabled=${!covered.length}>Keep</button>
         <button type="button" onClick=${() => send({ kind: "fault" })}>

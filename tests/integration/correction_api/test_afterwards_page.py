@@ -7,7 +7,7 @@ from pathlib import Path
 
 import httpx
 import pytest
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Browser, Page, Route, expect
 
 from shared.messages.episode import Outcome
 from shared.wire.memory import MemoryBus, MemoryRouter
@@ -15,6 +15,7 @@ from tests.integration.correction_api.browsing import DESK, PHONE, drag_stretch,
 from tests.integration.correction_api.fakes import COMMANDS, FakeLearner, FakeRobot
 from tests.integration.correction_api.keeper import attempt, kept
 from tests.integration.correction_api.running import eventually, running
+from tests.integration.correction_api.visiting import visited
 
 
 class World:
@@ -86,6 +87,8 @@ def test_a_stretch_is_dragged_and_relabelled_and_taken_back(browser: Browser, wo
         expect(verdict).to_have_text("known")
         field.fill(COMMANDS[2])
         form.get_by_role("button", name="Keep").click()
+        kept = f"Kept for the learner, of steps {first} to {end}."
+        expect(page.get_by_role("status").filter(has_text=kept)).to_have_count(1)
         row = page.locator("tr[data-correction]").last
         expect(row).to_contain_text(f"relabel{COMMANDS[2]}person{first} to {end}kept for the next")
         drawn = page.locator("svg[data-said]")
@@ -96,6 +99,35 @@ def test_a_stretch_is_dragged_and_relabelled_and_taken_back(browser: Browser, wo
         expect(page.locator("tr.gone")).to_contain_text("taken back")
         expect(drawn).to_have_class(re.compile("gone"))
     assert [one["kind"] for one in account(world)[before:]] == ["relabel", "retract"]
+
+
+def test_what_is_not_kept_is_told_in_the_form_and_said_once_however_often_it_is_sent(
+    browser: Browser, world: World
+) -> None:
+    before = len(account(world))
+    url = str(world.api.base_url.join(f"episode.html?id={world.bad}"))
+    with visited(browser, url, outage=True) as page:
+        form = drag_stretch(page, 0.25, 0.55)
+        field, problem = form.get_by_label("the right command"), form.get_by_role("alert")
+        field.fill("dance around")
+        form.get_by_role("button", name="Keep").click()
+        expect(problem).to_contain_text("dance around")
+        expect(problem).to_be_in_viewport(ratio=1)
+        field.fill(COMMANDS[1])
+        page.route("**/corrections", _lost)
+        form.get_by_role("button", name="Keep").click()
+        expect(problem).to_contain_text("cannot be reached")
+        page.unroute("**/corrections")
+        form.get_by_role("button", name="Keep").click()
+        expect(form).to_have_count(0)
+    (said,) = account(world)[before:]
+    assert said["goal"]["text"] == COMMANDS[1]
+
+
+def _lost(route: Route) -> None:
+    """It is kept, and the answer is lost."""
+    route.fetch()
+    route.abort()
 
 
 def test_everything_in_the_player_goes_by_keys(browser: Browser, world: World) -> None:
