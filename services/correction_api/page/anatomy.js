@@ -46,7 +46,7 @@ function Counted({ decisions: all, steps, said }) {
     </div>
     <p class="small">
       ${late.length
-        ? `${late.length} overrides were obeyed: ${ms.toFixed(0)} ms after they were said (median)${
+        ? `${late.length === 1 ? "One override was" : `${late.length} overrides were`} obeyed: ${ms.toFixed(0)} ms after they were said (median)${
             reach === null ? "" : `, ${reach} control steps after what the person saw`
           }.`
         : "No override was obeyed in this episode."}

@@ -6,7 +6,6 @@ import { Still } from "./stills.js";
 
 const CHOICES = {
   best: "the best proposal",
-  held: "a person's word held",
   objection: "the hand objected to what was proposed before it",
   smoothed: "the best in the mean of the last looks",
   hysteresis: "no other was better by the margin",
@@ -54,7 +53,7 @@ export function Moment({ name, episode, at }) {
         </p>
         <p class=${person ? "caption-of person" : "caption-of"}>
           <q>${at.executed.text}</q>
-          <span>${person ? "✎ a person's word" : `policy ${at.chosen_by}`}, ${CHOICES[at.choice] ?? "in force"}</span>
+          <span>${person ? "✎ a person's word" : `policy ${at.chosen_by}, ${CHOICES[at.choice] ?? "in force"}`}</span>
         </p>
         ${told &&
         told.text !== at.executed.text &&

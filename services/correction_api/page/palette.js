@@ -11,6 +11,7 @@ import { percent } from "./words.js";
 
 const SHOWN = 6;
 const PAUSE_MS = 150; // after the last letter, before the robot is asked
+const NEAR = 0.01; // A phrase that is less like a command is like none.
 const HOLDS = [
   ["", "holds"],
   ["100", "2 s"],
@@ -133,7 +134,7 @@ export class Palette extends Component {
   phrase(typed, shownAlready) {
     const read = this.state.read?.text === typed ? this.state.read : null;
     const near = (read?.nearest ?? [])
-      .filter(({ command }) => !shownAlready.has(command))
+      .filter(({ command, score }) => score >= NEAR && !shownAlready.has(command))
       .map(({ command, score }) => ({
         text: command,
         kind: "near",

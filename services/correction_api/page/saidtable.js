@@ -1,7 +1,7 @@
 // What was said in an episode and about it, as a table; what stands can be taken back.
 import { state } from "./account.js";
 import { html } from "./html.js";
-import { count } from "./words.js";
+import { called, count } from "./words.js";
 
 const TAKEN_BACK = ["override", "release", "approve", "relabel", "fault", "edit", "retime", "endorse"];
 
@@ -46,7 +46,7 @@ function Row({ one, episode, retract }) {
   const { correction, reason } = one.view;
   return html`
     <tr data-correction=${correction.id} class=${one.retracted ? "gone" : ""}>
-      <th scope="row">${one.kind}</th>
+      <th scope="row">${called(one.kind)}</th>
       <td class="words">${one.text ?? correction.note ?? about(correction, episode)}</td>
       <td data-label="by">${correction.author}</td>
       <td data-label="steps:">${steps(one, episode.steps)}</td>
@@ -64,7 +64,7 @@ function Row({ one, episode, retract }) {
 function about({ target }, { said }) {
   if (!target) return "–";
   const meant = said.find(({ view }) => view.correction.id === target);
-  return meant?.text ? `of “${meant.text}”` : `of ${meant?.kind ?? "something said elsewhere"}`;
+  return meant?.text ? `of “${meant.text}”` : `of “${meant ? called(meant.kind) : "something said elsewhere"}”`;
 }
 
 /** Whoever spoke after the last step did so at none of them. */

@@ -3,6 +3,7 @@
 import { isPolicy, state, STEPS_A_SECOND } from "./account.js";
 import { Component, html } from "./html.js";
 import { still } from "./stills.js";
+import { called } from "./words.js";
 
 const DRAG_PX = 5;
 const LABEL = 15;
@@ -214,7 +215,7 @@ const LIVE = ["override", "release", "pause", "resume"];
 function Said({ said, x }) {
   const y = TOP.said + 12;
   return said.map((one) => {
-    const name = `${one.kind} ${one.text ?? ""}: ${state(one)}`;
+    const name = `${called(one.kind)} ${one.text ?? ""}: ${state(one)}`;
     if (one.span && ["relabel", "fault", "override"].includes(one.kind)) {
       const [from, to] = one.span.map(x);
       const wide = Math.max(3, to - from);

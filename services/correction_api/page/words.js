@@ -1,5 +1,6 @@
 // How what was said, and what became of it, is put into words.
 const KINDS = {
+  override: "command",
   release: "release",
   approve: "that was right",
   pass: "nothing to say",
@@ -12,6 +13,9 @@ const KINDS = {
   fault: "the hand slipped",
   endorse: "all so far was right",
 };
+
+/** What kind of thing was said, as people call it. */
+export const called = (kind) => KINDS[kind] ?? kind;
 
 /** What was said, in short: the command in quotes, or what it does. */
 export const named = ({ kind, text, goal }) =>

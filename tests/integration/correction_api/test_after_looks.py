@@ -104,7 +104,9 @@ def test_what_was_taken_back_is_named_and_what_was_said_later_has_no_step_of_the
     late = {"kind": "retract", "target": told["id"], "author": "anna", "episode": name}
     world.api.post(SAID, json=late | {"begun_ns": told["begun_ns"] + 10**12}).raise_for_status()
     with opened(browser, world.api, DESK, world.page) as page:
-        rows = page.locator("tr[data-correction]", has_text="retract")
+        rows = page.locator(
+            "tr[data-correction]", has=page.get_by_role("rowheader", name="taken back")
+        )
         expect(rows.filter(has_text="of “pick up the bread”")).to_have_count(1)
         expect(rows.filter(has_text="of “wait”")).to_contain_text("after its end")
 

@@ -90,7 +90,9 @@ def test_a_stretch_is_dragged_and_relabelled_and_taken_back(browser: Browser, wo
         kept = f"Kept for the learner, of steps {first} to {end}."
         expect(page.get_by_role("status").filter(has_text=kept)).to_have_count(1)
         row = page.locator("tr[data-correction]").last
-        expect(row).to_contain_text(f"relabel{COMMANDS[2]}person{first} to {end}kept for the next")
+        expect(row).to_contain_text(
+            f"relabelled{COMMANDS[2]}person{first} to {end}kept for the next"
+        )
         drawn = page.locator("svg[data-said]")
         expect(drawn).to_have_count(1)
         said = account(world)[before]
