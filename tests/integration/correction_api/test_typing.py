@@ -85,6 +85,7 @@ def test_digits_and_the_stop_wait_for_nothing_and_the_stop_ends_what_waits(
     page.keyboard.press("Escape")
     page.clock.run_for(700)
     eventually(lambda: len(robot.heard) == 2)
+    eventually(lambda: page.evaluate(PRESSED, []) == [])  # Both are answered, too.
     assert page.evaluate(PRESSED, ["y", "3"]) == ["approve", "override"]
     eventually(lambda: len(robot.heard) == 4)
     kinds = robot.kinds()  # The last two went out together.
