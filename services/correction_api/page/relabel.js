@@ -56,7 +56,7 @@ export function Relabel({ episode, span, bank, setSpan, close, said, begunNs, pr
           `,
         )}
       </p>`}
- ${problem && html`<p class="notice" role="alert">${problem}</p>`}
+      ${problem && html`<p class="notice" role="alert">${problem}</p>`}
       <div class="actions">
         <button class="primary" disabled=${!covered.length}>Keep</button>
         <button type="button" onClick=${() => send({ kind: "fault" })}>

@@ -64,7 +64,8 @@ function Row({ one, episode, retract }) {
 function about({ target }, { said }) {
   if (!target) return "–";
   const meant = said.find(({ view }) => view.correction.id === target);
-  return meant?.text ? `of “${meant.text}”` : `of “${meant ? called(meant.kind) : "something said elsewhere"}”`;
+  if (!meant) return "of something said elsewhere";
+  return `of “${meant.text ?? called(meant.kind)}”`;
 }
 
 /** Whoever spoke after the last step did so at none of them. */

@@ -19,7 +19,7 @@ export const called = (kind) => KINDS[kind] ?? kind;
 
 /** What was said, in short: the command in quotes, or what it does. */
 export const named = ({ kind, text, goal }) =>
-  (text ?? goal?.text) ? `“${text ?? goal.text}”` : KINDS[kind];
+  (text ?? goal?.text) ? `“${text ?? goal.text}”` : called(kind);
 
 /** What became of a correction: a text and a mark for the line that is read out. */
 export function outcome(view) {
