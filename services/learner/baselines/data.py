@@ -114,12 +114,15 @@ def lessons_of(teaching: Teaching, arm: Arm) -> tuple[Looks, Steps]:
     """What one arm learns of it.
 
     Goals with words get labels, and a chunk ends where the command does. The others get neither
-    labels, nor what was said before, nor whether it was achieved; their chunks go on.
+    labels (guided does), nor what was said before, nor whether it was achieved; their chunks go on.
     """
     if arm in ("hierarchy", "chain"):
         return teaching.decisions, _by_command(teaching.steps)
-    looks = teaching.decisions if arm == "latent" else _flat(teaching)
-    return replace(looks, seen=_unlabelled(looks.seen)), _silent(teaching.steps)
+    looks = _flat(teaching) if arm == "flat" else teaching.decisions
+    seen = _unheard(looks.seen)
+    if arm != "guided":
+        seen = replace(seen, examples=replace(seen.examples, labels=[SILENT] * len(seen)))
+    return replace(looks, seen=seen), _silent(teaching.steps)
 
 
 def _flat(teaching: Teaching) -> Looks:
@@ -133,10 +136,9 @@ def _flat(teaching: Teaching) -> Looks:
     return Looks(replace(every.seen, examples=replace(shown, looks=looks)), windows)
 
 
-def _unlabelled(seen: Demonstrations) -> Demonstrations:
-    count = len(seen)
-    examples = replace(seen.examples, labels=[SILENT] * count, previous=[()] * count)
-    return replace(seen, examples=examples)
+def _unheard(seen: Demonstrations) -> Demonstrations:
+    """As an arm meets them that says no words."""
+    return replace(seen, examples=replace(seen.examples, previous=[()] * len(seen)))
 
 
 def _silent(steps: Steps) -> Steps:

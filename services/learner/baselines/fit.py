@@ -134,21 +134,27 @@ class ArmFit:
             advice = pair.advise(minds, thought, answer.meaning)
             motion = pair.move(rows.view, rows.orders, advice and advice.at(self._owner))
         moved = chunk_loss(motion.changes.float(), rows.view.now, rows.answers, rows.weights)
-        loss = moved + self._wordy(answer.meaning, batch.labels, motion.done, rows)
+        loss = moved + self._told(answer.meaning, batch.labels) + self._finished(motion.done, rows)
         loss = loss + SIGHT_WEIGHT * self._sight.loss(slots.float(), status, positions)[0]
         both = Meanings(*map(torch.cat, zip(meanings, extra_meanings, strict=True)))
         loss = loss + MEANING_WEIGHT * self._reader.loss(wishes, both)[0]
         self._fitter.update(loss, step)
         self._moved.add(moved.item())
 
-    def _wordy(self, meaning: Tensor, labels: Tensor, done: Tensor, rows: Lot) -> Tensor:
-        """What only goals in words have: which one is right, and when it is achieved."""
-        if not self.pair.worded:
+    def _told(self, meaning: Tensor, labels: Tensor) -> Tensor:
+        """Which command was right; 0 for an arm that learns from actions alone."""
+        if not self.pair.labelled:
             return torch.zeros(())
         logits = self.pair.trunk.scores(meaning, self._phrases)
         goal = F.cross_entropy(logits, labels)
         self._goal.add(goal.item())
         self._right.add((logits.argmax(-1) == labels).float().mean().item())
+        return goal
+
+    def _finished(self, done: Tensor, rows: Lot) -> Tensor:
+        """When a command is achieved; 0 for an arm whose goals are no commands."""
+        if not self.pair.worded:
+            return torch.zeros(())
         told = F.binary_cross_entropy_with_logits(done.float(), rows.done, reduction="none")
         known = rows.weights[:, 0]
-        return goal + DONE_WEIGHT * (told * known).sum() / known.sum().clamp(min=1)
+        return DONE_WEIGHT * (told * known).sum() / known.sum().clamp(min=1)

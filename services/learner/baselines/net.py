@@ -80,8 +80,9 @@ class Pair(nn.Module):
         elif arm != "hierarchy":
             self.link = Latent()
         self.trunk.text.requires_grad_(False)
-        if not self.worded:
+        if not self.labelled:
             self.trunk.temperature.requires_grad_(False)
+        if not self.worded:
             self.mover.command.requires_grad_(False)
             self.mover.finished.requires_grad_(False)
 
@@ -89,6 +90,11 @@ class Pair(nn.Module):
     def worded(self) -> bool:
         """Whether its goals are commands in words."""
         return self.arm in ("hierarchy", "chain")
+
+    @property
+    def labelled(self) -> bool:
+        """Whether it is told which command was right."""
+        return self.worded or self.arm == "guided"
 
     def learned(self) -> int:
         """How many parameters learn."""

@@ -7,7 +7,7 @@ from pydantic import Field
 from shared.config import Settings
 from shared.policies.fitter import FitSettings
 
-Arm = Literal["hierarchy", "chain", "latent", "flat"]
+Arm = Literal["hierarchy", "chain", "latent", "flat", "guided"]
 ARMS: tuple[Arm, ...] = get_args(Arm)
 TITLES: dict[str, str] = {
     "hierarchy": "hierarchy",
@@ -15,8 +15,10 @@ TITLES: dict[str, str] = {
     "chain": "chain of thought",
     "latent": "latent goals",
     "flat": "flat",
+    "guided": "latent goals, labels besides",
 }
-"""What is compared. Under the oracle the mover is the hierarchy's."""
+"""What is compared. Under the oracle the mover is the hierarchy's. Guided is a control: what the
+network of latent goals can do, where it is also told what was right."""
 
 Count = Annotated[int, Field(ge=1)]
 
@@ -62,3 +64,4 @@ FULL = BaselineSettings(
     seeds=3,
     lengths=(4, 8, 12),
 )
+SCALES = {"small": SMALL, "core": FULL.model_copy(update={"seeds": 1}), "full": FULL}

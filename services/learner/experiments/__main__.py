@@ -34,7 +34,7 @@ def main(
     scale: Annotated[
         str,
         typer.Option(
-            help="small: a minute, to try it; full: to learn; core, of dagger: the main arms"
+            help="small: a minute, to try it; full: to learn; core, of dagger and baselines: less"
         ),
     ] = "full",
     seeds: Annotated[str, typer.Option(help="A:B, from the first evaluation seed")] = "",

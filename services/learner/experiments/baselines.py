@@ -1,7 +1,7 @@
 """Is the hierarchy better than one policy without it, on equal data, as tasks grow longer?"""
 
 from services.learner.baselines.policy import ArmPlan, evaluator
-from services.learner.baselines.scale import FULL, SMALL, TITLES, Arm
+from services.learner.baselines.scale import SCALES, TITLES, Arm
 from services.learner.baselines.work import Plan, Shower, Trained, Trainer
 from services.learner.experiments.bench import Bench
 from services.learner.experiments.compared import findings
@@ -14,7 +14,7 @@ from shared.rollout.settings import RolloutSettings
 
 def run(bench: Bench) -> Findings:
     """Demonstrate, train each arm, try each on the same scenes."""
-    plan = Plan(out=bench.out, settings=SMALL if bench.small else FULL)
+    plan = Plan(out=bench.out, settings=SCALES[bench.scale])
     return compare(bench, plan)
 
 

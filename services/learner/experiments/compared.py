@@ -21,7 +21,7 @@ from shared.evaluation.plan import ORACLE
 from shared.evaluation.summary import summarize
 from shared.intervals import mcnemar, rate, seeds_difference
 
-OTHERS = ("flat", "chain", "latent", ORACLE)
+OTHERS = ("flat", "chain", "latent", "guided", ORACLE)
 """What the hierarchy is compared with; the oracle above it has its own hand: what is missing to
 that is what a better head would bring."""
 Outcomes = list[list[bool]]
@@ -102,6 +102,9 @@ def _notes(settings: BaselineSettings, outcomes: dict[int, dict[str, Outcomes]])
         "Arms without words have no such filter.",
         "Flat and latent goals learn from actions alone, without the labels that the other two "
         "have: that is what they are without words. Flat sees no earlier looks either.",
+        "Latent goals with labels besides are a control: the same network, data and updates, and "
+        "one more loss, which holds the vector against the right command. What it can do and "
+        "latent goals can't is what labels are worth, and no fault of network or rollout.",
     ]
     if settings.seeds == 1:
         notes.append("One training seed: this says nothing of others.")

@@ -71,7 +71,7 @@ EXPERIMENTS = {
     "skills": Experiment(skills.run, small=2, full=100),
     "language": Experiment(language.run, small=2, full=100),
     "horizon": Experiment(horizon.run, small=1, full=60, learned=True),
-    "baselines": Experiment(baselines.run, small=6, full=40, low_level=False),
+    "baselines": Experiment(baselines.run, small=6, full=40, low_level=False, core=True),
     "dagger": Experiment(
         dagger.run, small=60, full=200, learned=True, baselines=True, core=True, site="far"
     ),

@@ -83,7 +83,7 @@ def test_only_arms_with_words_are_judged_by_them(made):
             evaluator,
         )  # fmt: skip
         assert kept[0].decisions == (6 if arm == "flat" else 2)
-        if arm in ("latent", "flat"):
+        if arm in ("latent", "flat", "guided"):
             assert (kept[0].wrong, kept[0].attempts, kept[0].failure) == (0, (), "out of time")
 
 

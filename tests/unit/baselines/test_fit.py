@@ -35,7 +35,7 @@ def test_the_losses_of_every_arm_fall_and_all_its_parameters_learn(arm):
     started = begun(arm, few(), SETTINGS.model_copy(update={"lr": 3e-3}))
     first, last = started.run(1), started.run(14)
     assert last.moved < 0.95 * first.moved
-    assert (last.goal < first.goal) if started.pair.worded else (first.goal == last.goal == 0)
+    assert (last.goal < first.goal) if started.pair.labelled else (first.goal == last.goal == 0)
     idle = [
         name
         for name, part in started.pair.named_parameters()
@@ -45,11 +45,11 @@ def test_the_losses_of_every_arm_fall_and_all_its_parameters_learn(arm):
 
 
 @pytest.mark.parametrize("arm", ARMS)
-def test_other_labels_change_only_arms_with_words(arm):
+def test_other_labels_change_only_arms_that_are_told_them(arm):
     one, other = begun(arm), begun(arm, relabelled(teaching()))
     for started in (one, other):
         started.run(1)
-    assert (weights(one) == weights(other)) is not one.pair.worded
+    assert (weights(one) == weights(other)) is not one.pair.labelled
 
 
 def test_no_action_teaches_the_trunk_of_a_hierarchy(monkeypatch):
