@@ -1,7 +1,8 @@
-"""What is to be done later or on a sign: "pick it up when I say so", "wait until I'm back".
+"""What is to be done later, on a sign, or if: "pick it up when I say so", "bin it if it's dirty".
 
 Only what is to be done now can be obeyed. To wait or to hold until then is to wait; an act that is
-due then is refused. "When you're done" and the like are courtesy: acts follow one another anyway.
+due then is refused, and so is one that hangs on what nobody here looks at. "When you're done" and
+the like are courtesy: acts follow one another anyway.
 """
 
 import re
@@ -13,6 +14,7 @@ from shared.policies.verbs import HOLD, PICK, PUT, WAIT
 from shared.policies.wording import Words
 
 LATER = "is to be done later or on a sign, and what is said is done at once: say it when it is time"
+HANGS = "hangs on something that no robot here can judge: look, and say what is to be done"
 
 _PEOPLE = (
     r"(?:i|we|he|she|they|someone|somebody|everyone|everybody|i'm|we're|he's|she's|they're|i've|"
@@ -35,6 +37,14 @@ _THEN = (
     r"in (?:a|an|half an|\d+|two|three|five|ten|a few) (?:minutes?|hours?|while|seconds?|days?))\b"
 )
 _MARK = re.compile(rf"\b(?:until|till|til|unless|{_WHEN}|{_IF}|{_SIGN}|{_THEN})(?!\w)")
+_IS = r"(?:is|isn't|are|aren't|was|were|looks?|seems?|smells?|has|have)"
+_CASE = re.compile(
+    rf"\bif (?:(?:it|that|this|they|there)(?:'s|'re| {_IS})|"
+    rf"(?:the|this|that|these|those|any) (?:\w+ )?\w+ {_IS})"
+    r"(?! (?:ok|okay|fine|alright|all right|possible|convenient|handy|quicker|easier|you|what|not|"
+    r"no|too|(?:too )?much)\b)(?!\w)"
+)
+"""A condition on the things, and no courtesy: "if it's dirty", not "if it's no trouble"."""
 _FOR = re.compile(r"\b(?:wait|waiting|hang on|hold on|pause) for (?:the|my|our|that|some|a)\b")
 _WHO = frozenset(("i", "we", "he", "she", "they", "someone", "somebody", "it"))
 _NONE = re.compile(r"not|never|nothing|nowt|no|\w+n't|dont|cannot")
@@ -43,7 +53,7 @@ _ACTS, _WAITS = (PICK, PUT), (WAIT, HOLD)
 
 def put_off(phrase: Words, clauses: Sequence[range]) -> str | None:
     """What a phrase asks for that speaks of a later moment: LATER, "" for waiting until then,
-    None where it speaks of none."""
+    HANGS where it is a condition, None where it speaks of none."""
     kinds = {row: phrase.verb(row, PARTS) for row in range(len(phrase.words))}
     acts = [row for row, kind in kinds.items() if kind in _ACTS + _WAITS]
     for rows in clauses:
@@ -51,6 +61,8 @@ def put_off(phrase: Words, clauses: Sequence[range]) -> str | None:
         text = " ".join(words)
         if _FOR.search(text) and not any(kinds[row] in _ACTS for row in acts):
             return ""
+        if _CASE.search(text) and any(kinds[row] in _ACTS for row in acts):
+            return HANGS
         found = _MARK.search(text)
         if not found or (len(clauses) > 1 and found.start() and _is_aside(words)):
             continue

@@ -30,6 +30,31 @@ def test_what_is_to_be_done_later_is_refused(reader: Reader, text: str) -> None:
 @pytest.mark.parametrize(
     "text",
     [
+        "if it's dirty, put it in the tub", "bin it if it's empty", "if the cup is empty take it",
+        "put it down if it looks hot", "if there's a bowl, pick it up",
+        "if that isn't clean, bin it",
+    ],
+)  # fmt: skip
+def test_what_hangs_on_how_things_are_is_refused(reader: Reader, text: str) -> None:
+    reading = reader.read(text, DISHES)
+    assert (reading.command, reading.why) == (None, later.HANGS)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "take the bowl if it's no trouble", "if that's okay, take the bowl",
+        "if it isn't too much bother, take the bowl", "take the bowl if you can",
+        "take the bowl if it's not too much to ask", "if it is possible, take the bowl",
+    ],
+)  # fmt: skip
+def test_an_if_of_courtesy_is_no_condition(reader: Reader, text: str) -> None:
+    assert read(reader, text, DISHES) == BOWL
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
         "wait until I say to put it down", "hold it until I say and then drop it",
         "don't put it down until I say so", "wait for the bowl", "stay there till I'm back",
         "until I'm back, wait", "do nothing until the guests leave", "keep it till they call",
