@@ -63,6 +63,14 @@ _TOKEN = re.compile(r"[a-z0-9]+(?:['-][a-z0-9]+)*'?")
 _CLIPPED = re.compile(r"\bt'(?=[a-z]{2})")
 """The article in the north of England: "t'table"."""
 _INSIDE = re.compile(r"\b(?:inside|within)(?: of)?\b")
+_COURTEOUS = re.compile(
+    r"\b(?:(?:if|so long as|as long as) (?:you(?: don't| do not| wouldn't| would not) mind|"
+    r"(?:it|that)(?:'s| is|'d be| would be)?(?: not|n't|n't be)? "
+    r"(?:no |an? |any |too much |too big an? |too much of an? |such an? )"
+    r"(?:bother|trouble|hassle|problem|imposition|inconvenience|fuss|effort|work|ask))|"
+    r"unless (?:it|that)(?:'s| is) (?:an? |too much )(?:bother|trouble|hassle|problem))\b"
+)
+"""It negates nothing and is no condition: "if you don't mind", "if it isn't too much trouble"."""
 _DRAWN_OUT = re.compile(r"([a-z])\1{2,}")
 
 
@@ -74,6 +82,7 @@ def unaccented(text: str) -> str:
 
 def written(said: str) -> str:
     """A plain phrase with standard words for those that are only spoken or typed in haste."""
+    said = _COURTEOUS.sub("please", said)
     said = _DRAWN_OUT.sub(r"\1\1", _CLIPPED.sub("the ", _INSIDE.sub("in", said)))
     return " ".join(_TOKEN.sub(_standard, said).split())
 

@@ -44,7 +44,9 @@ def test_what_hangs_on_how_things_are_is_refused(reader: Reader, text: str) -> N
     "text",
     [
         "take the bowl if it's no trouble", "if that's okay, take the bowl",
-        "if it isn't too much bother, take the bowl", "take the bowl if you can",
+        "if it isn't too much bother take the bowl", "if you don't mind take the bowl",
+        "unless it's a bother take the bowl", "take the bowl if that is no problem",
+        "take the bowl if you can",
         "take the bowl if it's not too much to ask", "if it is possible, take the bowl",
     ],
 )  # fmt: skip
