@@ -4,7 +4,7 @@ import { html } from "./html.js";
 
 export const Source = ({ report }) => html`
   <p class="small">
-    Measured: <code>${report.command}</code>, ${report.date}, at ${report.site}${report.rounded && `; rounded ${report.rounded}`}.
+    Measured: <code>${report.command}</code>, ${report.date}, at ${report.site}.
   </p>
 `;
 
