@@ -27,7 +27,7 @@ PATIENCE_S = 150.0
 
 
 @contextmanager
-def _microphone(url: str, wave: str, *flags: str) -> Iterator[Page]:
+def microphone(url: str, wave: str, *flags: str) -> Iterator[Page]:
     """The page in a browser of its own, since a recording is given to a whole browser."""
     path = shutil.which("chromium")
     assert path, "no chromium: apt-get install chromium"
@@ -89,7 +89,7 @@ def _talk_until(page: Page, robot: FakeRobot, wave: str, outcome: str) -> Locato
 def test_words_spoken_while_space_is_held_are_offered_chosen_and_obeyed(
     api: httpx.Client, robot: FakeRobot
 ) -> None:
-    with _microphone(str(api.base_url), "cheese", ALLOW) as page:
+    with microphone(str(api.base_url), "cheese", ALLOW) as page:
         sent = list[str]()
         page.on(
             "request",
@@ -134,7 +134,7 @@ def test_what_is_agreed_upon_is_done_at_once_and_can_be_undone(
         ]
         route.fulfill(body=json.dumps({"heard": heard, "agreed": COMMANDS[2], "choices": []}))
 
-    with _microphone(str(api.base_url), "plate", ALLOW) as page:
+    with microphone(str(api.base_url), "plate", ALLOW) as page:
         page.route("**/api/v1/speech*", agree)
         card = _card(page, robot)
         _talk(page, card, "plate")
@@ -159,7 +159,7 @@ def test_of_two_the_second_is_chosen_by_its_digit_and_escape_chooses_none_but_st
         body = {"heard": heard, "agreed": None, "choices": [COMMANDS[1], COMMANDS[2]]}
         route.fulfill(body=json.dumps(body))
 
-    with _microphone(str(api.base_url), "plate", ALLOW) as page:
+    with microphone(str(api.base_url), "plate", ALLOW) as page:
         page.route("**/api/v1/speech*", differ)
         card = _card(page, robot)
         _talk(page, card, "plate")
@@ -179,7 +179,7 @@ def test_of_two_the_second_is_chosen_by_its_digit_and_escape_chooses_none_but_st
 def test_escape_stops_the_robot_while_somebody_speaks_and_a_tap_says_nothing(
     api: httpx.Client, robot: FakeRobot
 ) -> None:
-    with _microphone(str(api.base_url), "cheese", ALLOW) as page:
+    with microphone(str(api.base_url), "cheese", ALLOW) as page:
         card = _card(page, robot)
         asked = list[str]()
         page.on("request", lambda one: one.method == "POST" and asked.append(one.url))
@@ -196,7 +196,7 @@ def test_escape_stops_the_robot_while_somebody_speaks_and_a_tap_says_nothing(
 def test_a_tap_of_space_still_presses_the_button_in_focus(
     api: httpx.Client, robot: FakeRobot
 ) -> None:
-    with _microphone(str(api.base_url), "cheese", ALLOW) as page:
+    with microphone(str(api.base_url), "cheese", ALLOW) as page:
         card = _card(page, robot)
         card.get_by_role("button", name=COMMANDS[1]).focus()
         page.keyboard.press(" ")
@@ -206,7 +206,7 @@ def test_a_tap_of_space_still_presses_the_button_in_focus(
 def test_silence_is_no_command_and_nothing_can_be_done_by_it(
     api: httpx.Client, robot: FakeRobot
 ) -> None:
-    with _microphone(str(api.base_url), "cheese", ALLOW) as page:
+    with microphone(str(api.base_url), "cheese", ALLOW) as page:
         card = _talk_until(page, robot, "cheese", ".choice")
         page.keyboard.press("Escape")
         _talk(page, card, "cheese")  # The recording is over: the microphone is silent now.
@@ -222,7 +222,7 @@ def test_a_page_that_gets_no_microphone_says_why_and_what_to_do(
         eventually(lambda: api.get("api/v1/robots").json()["robots"])
         url = f"http://{host}:{api.base_url.port}/"
         resolve = f"--host-resolver-rules=MAP {host} 127.0.0.1"
-        with _microphone(url, "cheese", ALLOW, resolve) as page:
+        with microphone(url, "cheese", ALLOW, resolve) as page:
             assert not page.evaluate("isSecureContext")
             card = _card(page, robot)
             expect(card.get_by_role("button", name="Hold and talk")).to_be_disabled()
@@ -236,7 +236,7 @@ def test_a_page_that_gets_no_microphone_says_why_and_what_to_do(
 
 
 def test_a_microphone_that_is_not_allowed_is_told(api: httpx.Client, robot: FakeRobot) -> None:
-    with _microphone(str(api.base_url), "cheese") as page:
+    with microphone(str(api.base_url), "cheese") as page:
         _card(page, robot)
         page.keyboard.down(" ")
         expect(line(page)).to_contain_text("not allowed for this page")
@@ -250,7 +250,7 @@ def test_a_service_without_an_engine_says_what_to_do(
     speech = {"enabled": False}
     with MemoryBus(router) as bus, running(bus, tmp_path, speech=speech) as api:
         eventually(lambda: api.get("api/v1/robots").json()["robots"])
-        with _microphone(str(api.base_url), "cheese", ALLOW) as page:
+        with microphone(str(api.base_url), "cheese", ALLOW) as page:
             card = _card(page, robot)
             expect(card.locator(".heard")).to_contain_text("set speech.enabled to true")
             expect(card.get_by_role("button", name="Hold and talk")).to_be_disabled()
