@@ -5,7 +5,8 @@ there is a simulator, by what it does (`trials.py`). By setting, one robot goes 
 """
 
 import hashlib
-from collections.abc import Iterable
+from collections import Counter
+from collections.abc import Sequence
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
@@ -25,7 +26,7 @@ class GateSettings(Settings):
 
     held_out_share: of the corrected episodes, those that no round trains on; chosen by their
         ids, so that they stay the same ones. at_least: labels among them, below which their
-        agreement says too little to be judged by.
+        agreement says too little to be judged by; a small round holds out more for it, see `split`.
     max_fall: by which the agreement with them may fall, against the version in force.
     retained: demonstrated decisions that no round replays, to see what is forgotten. max_forgotten:
         by which the agreement with those may fall, against the version in force.
@@ -196,13 +197,23 @@ def keep_aside(count: int, retained: int) -> tuple[NDArray[np.int64], NDArray[np
     return np.sort(rows[aside:]), np.sort(rows[:aside])
 
 
-def split(labels: Iterable[Label], share: float) -> tuple[list[Label], list[Label]]:
-    """Labels to train on, and those to hold out: whole episodes, the same ones in every round."""
-    kept: list[Label] = []
-    held_out: list[Label] = []
-    for label in labels:
-        (held_out if _lot(label.episode) < share else kept).append(label)
-    return kept, held_out
+def split(
+    labels: Sequence[Label], share: float, at_least: int = 0
+) -> tuple[list[Label], list[Label]]:
+    """Labels to train on, and those to hold out: whole episodes, the same ones in every round.
+
+    at_least: where chance holds out fewer labels, the next episodes by lot are, too, but no more
+        than a fifth of all: an early round is small, and would not be judged.
+    """
+    counts = Counter(label.episode for label in labels)
+    lots = {episode: _lot(episode) for episode in counts}
+    out = {episode for episode, lot in lots.items() if lot < share}
+    for episode in sorted(lots, key=lots.__getitem__)[: len(lots) // 5 if share else 0]:
+        if sum(counts[one] for one in out) >= at_least:
+            break
+        out.add(episode)
+    kept = [label for label in labels if label.episode not in out]
+    return kept, [label for label in labels if label.episode in out]
 
 
 def _lot(episode: str) -> float:

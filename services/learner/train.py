@@ -69,7 +69,7 @@ def fine_tune(
     labels = derive(history, recipe.labels, in_force.low_level_sha256)
     unknown = unread(labels, _record(store, 0).bank, meaning)
     obeyed = [label for label in labels if label.text not in unknown]
-    kept, held_out = split(obeyed, recipe.gate.held_out_share)
+    kept, held_out = split(obeyed, recipe.gate.held_out_share, recipe.gate.at_least)
     replayed, aside = keep_aside(len(demonstrations), recipe.gate.retained)
     retained = demonstrations.take(aside)
     policy = open_version(in_force, files)

@@ -213,12 +213,17 @@ def compare(
         "interval": [round(gap.low, 4), round(gap.high, 4)],
         "p": round(p, 4),
     }
-    if gap.value >= -settings.max_fall or p > settings.chance:
-        return "", figures
-    return (
-        f"it succeeds in {sum(mine)} of {len(mine)} scenes, the version in force in {sum(its)} of "
-        f"the same (p = {p:.3f}); {settings.max_fall} less is allowed"
-    ), figures
+    if gap.value < -settings.max_fall and p <= settings.chance:
+        return (
+            f"it succeeds in {sum(mine)} of {len(mine)} scenes, the version in force in "
+            f"{sum(its)} of the same (p = {p:.3f}); {settings.max_fall} less is allowed"
+        ), figures
+    if any(its) and not any(mine):  # Of a weak version in force too little is left to fall.
+        return (
+            f"it succeeds in none of {len(mine)} scenes, the version in force in {sum(its)} of the "
+            "same; one at least is wanted"
+        ), figures
+    return "", figures
 
 
 def policy_sha256(policy: PolicyAnnouncement) -> str:

@@ -85,3 +85,15 @@ def test_held_out_labels_are_whole_episodes_and_stay_the_same_ones() -> None:
 
 def test_a_share_of_nothing_holds_nothing_out() -> None:
     assert split(labels(10), 0.0) == (labels(10), [])
+    assert split(labels(10), 0.0, at_least=20) == (labels(10), [])
+
+
+def test_a_small_round_holds_out_enough_to_be_judged_by_but_a_fifth_of_its_episodes_at_most() -> (
+    None
+):
+    _, chance = split(labels(60), 1e-9)
+    kept, out = split(labels(60), 1e-9, at_least=20)
+    assert (chance, len(out), len(kept)) == ([], 21, 159)
+    assert {label.episode for label in kept}.isdisjoint(label.episode for label in out)
+    assert len(split(labels(20), 1e-9, at_least=20)[1]) == 3 * 4
+    assert split(labels(4), 1e-9, at_least=20)[1] == []
