@@ -77,10 +77,17 @@ def holds(heard: Iterable[Word], end: int) -> list[Hold]:
     for word in heard:
         if word.correction.kind is Kind.APPROVE:
             continue
-        # Whatever was to hold beyond this point doesn't, even what had not begun yet.
-        cut = (hold._replace(end=min(hold.end, word.begin)) for hold in found)
+        overrides = word.correction.kind is Kind.OVERRIDE
+        # Whatever was to hold beyond this point doesn't; a release leaves what has not
+        # begun yet, as on the robot (`shared/rollout/override.py`).
+        cut = (
+            hold._replace(end=min(hold.end, word.begin))
+            if overrides or hold.begin <= word.begin
+            else hold
+            for hold in found
+        )
         found = [hold for hold in cut if hold.begin < hold.end]
-        if word.correction.kind is Kind.OVERRIDE:
+        if overrides:
             hold_steps = word.correction.hold_steps
             until = end if hold_steps is None else min(end, word.begin + hold_steps)
             found.append(Hold(word.begin, until, word))
@@ -150,13 +157,16 @@ class Course(NamedTuple):
 def verdicts(heard: Iterable[Word]) -> dict[str, Word]:
     """The last word about each decision; an approval never has it against an objection.
 
-    Who overrides a decision and then approves, approves of what they said themselves.
+    Who overrides a decision and then approves, approves of what they said themselves; who lets go
+    then has not taken back that it was wrong.
     """
     found: dict[str, Word] = {}
     for word in heard:
         decision, kind = word.correction.decision, word.correction.kind
         if decision is None or not word.stands:
             continue
-        if kind is not Kind.APPROVE or decision not in found:
+        before = found.get(decision)
+        objected = before is not None and before.correction.kind is Kind.OVERRIDE
+        if before is None or kind is Kind.OVERRIDE or (kind is Kind.RELEASE and not objected):
             found[decision] = word
     return found

@@ -220,6 +220,29 @@ def test_a_release_that_names_no_decision_only_ends_the_hold() -> None:
     assert texts(labels_of(*every_20(100), *said)) == {20: HAM, 40: HAM}
 
 
+def test_a_release_leaves_what_is_still_on_its_way() -> None:
+    said = [
+        correction("a", "wait", decision="e-1-0"),
+        receipt("a", 0),
+        correction("b", HAM, decision="e-1-20", delay_steps=80),
+        receipt("b", 100, time_ns=30),
+        correction("r", kind="release"),
+        receipt("r", 60, time_ns=70),
+    ]
+    labels = texts(labels_of(*every_20(140), *said, before="keep"))
+    assert labels == {0: "wait", 20: HAM, 40: "wait", 100: HAM, 120: HAM, 140: HAM}
+
+
+def test_who_overrides_a_decision_and_lets_go_has_not_taken_back_that_it_was_wrong() -> None:
+    said = [
+        correction("a", HAM, decision="e-1-40"),
+        receipt("a", 41),
+        correction("r", kind="release", decision="e-1-40"),
+        receipt("r", 50),
+    ]
+    assert texts(labels_of(*every_20(80), *said)) == {40: HAM}
+
+
 def test_an_episode_gives_no_labels_before_it_is_over() -> None:
     given = correction("c", HAM, episode="e-2", decision="e-2-0")
     said = [decision("e-2"), given, receipt("c", 0, episode="e-2")]
