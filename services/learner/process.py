@@ -10,11 +10,17 @@ import threading
 from pathlib import Path
 from typing import IO, cast
 
+import structlog
 from pydantic import BaseModel, ConfigDict
 
 from services.learner.gate import Candidate
 from services.learner.store.store import Round
 from shared.errors import PolicyError
+
+COMMAND = (sys.executable, "-m", "services.learner.train")
+ATTEMPTS = 3
+"""Processes for one training. One that ends without a word ran out of memory or was killed, and the
+next one goes on where it was."""
 
 
 class Job(BaseModel):
@@ -59,6 +65,8 @@ class TrainProcess:
         self._store, self._tensors, self._demonstrations = store, tensors, demonstrations
         self._low_level = low_level
         self._running: _Running | None = None
+        self._attempts = 0
+        self._log = structlog.get_logger()
 
     def start(self, round_: Round) -> None:
         """Begin to train; returns at once."""
@@ -70,7 +78,7 @@ class TrainProcess:
             under_way=self._under_way(round_),
             round=round_.number,
         )
-        self._running = _Running(job)
+        self._running, self._attempts = _Running(job), 1
 
     def progress(self) -> float:
         """How far it is, 0 to 1."""
@@ -88,7 +96,14 @@ class TrainProcess:
         code = ended.close()
         if ended.report.candidate is not None:
             return ended.report.candidate
-        raise PolicyError(ended.report.reason or _explain(code))
+        if ended.report.reason or self._attempts == ATTEMPTS:
+            raise PolicyError(ended.report.reason or _explain(code))
+        self._attempts += 1
+        self._log.warning(
+            "goes on in another process", reason=_explain(code), round=ended.job.round
+        )
+        self._running = _Running(ended.job)
+        return None
 
     def forget(self, round_: Round) -> None:
         """Throw away what is kept of a training that is over."""
@@ -109,9 +124,9 @@ class _Running:
     """A training process, and a thread that reads what it reports."""
 
     def __init__(self, job: Job) -> None:
-        self.report = Report()
+        self.job, self.report = job, Report()
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "services.learner.train"],
+            COMMAND,
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,

@@ -38,7 +38,9 @@ def _promoted(ruling: Ruling, parts: Parts, epoch: int, in_force: PolicyRecord) 
             f"round {round_.number} passed the gate; its version is {round_.made}: roll back to it"
         )
     if round_.state is RoundState.RUNNING:
-        raise RefusedError(f"round {round_.number} is not over yet")
+        raise RefusedError(
+            f"round {round_.number} is not over yet; promote it once its gate has judged"
+        )
     if round_.candidate is None:
         raise RefusedError(f"round {round_.number} made nothing: {round_.reason}")
     candidate = Candidate.model_validate(round_.candidate)
@@ -65,9 +67,12 @@ def _back(ruling: Ruling, parts: Parts, epoch: int, in_force: PolicyRecord) -> P
         known = [version.number for version in parts.store.versions()]
         raise RefusedError(f"there is no version {number}; {_known(known, 'version')}")
     if record.number == in_force.number:
-        raise RefusedError(f"version {number} is in force")
+        raise RefusedError(f"version {number} is in force; roll back to an earlier one")
     if record.low_level_sha256 != in_force.low_level_sha256:
-        raise RefusedError(f"version {number} was made for another low level")
+        raise RefusedError(
+            f"version {number} was made for another low level than the one in force: its commands "
+            "would be carried out otherwise; choose one that was made since"
+        )
     return again(record, parts, epoch, ruling.id)
 
 

@@ -3,6 +3,7 @@
 A fit that was cut off goes on from what `keep` wrote, and trains nothing twice.
 """
 
+import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Annotated
@@ -140,6 +141,8 @@ def keep(fitter: Fitter, done: int, file: Path, means: Sequence[Mean] = ()) -> N
         for row, mean in enumerate(means)
     }
     save_file({**fitter.state(), **told, "done": torch.tensor(done)}, beside)
+    with beside.open("rb") as written:
+        os.fsync(written.fileno())  # Else a machine that dies could leave the name and no content.
     beside.rename(file)
 
 
