@@ -3,9 +3,14 @@ import { ACTIONS, label, toggleHelp } from "./actions.js";
 import { Component, html } from "./html.js";
 import { changed, keyOf, reset, shown } from "./keymap.js";
 import { capture } from "./keys.js";
+import { Line } from "./line.js";
 import { state, tell, touch } from "./store.js";
 
+const WAITS = "press a key …";
+
 export class Help extends Component {
+  before = state.line;
+
   componentDidMount() {
     this.dialog.showModal();
   }
@@ -26,7 +31,7 @@ export class Help extends Component {
           They act on the robot in focus, and rest while you type. A letter waits half a second (Enter:
           not at all), since two begin a phrase. Press a key here to change it.
         </p>
-        ${state.conflict && html`<p class="conflict" role="alert">${state.conflict}</p>`}
+        <${Line} before=${this.before} />
         <ul>
           ${Object.keys(ACTIONS).map((name) => html`<${Row} key=${name} name=${name} />`)}
         </ul>
@@ -42,7 +47,7 @@ export class Help extends Component {
   }
 
   leave() {
-    Object.assign(state, { capture: null, conflict: "" });
+    state.capture = null;
     if (state.asking) toggleHelp();
   }
 }
@@ -54,18 +59,18 @@ function Row({ name }) {
       <span>${label(name)}</span>
       <button
         class=${waits ? "waits" : ""}
-        aria-label=${`Key for: ${label(name)}, now ${shown(keyOf(name))}`}
+        aria-label=${`Key for: ${label(name)}, ${waits ? WAITS : `now ${shown(keyOf(name))}`}`}
         onClick=${() => begin(name)}
       >
-        ${waits ? "press a key …" : html`<kbd>${shown(keyOf(name))}</kbd>`}
+        ${waits ? WAITS : html`<kbd>${shown(keyOf(name))}</kbd>`}
       </button>
     </li>
   `;
 }
 
 function begin(name) {
-  state.conflict = "";
   capture(name);
+  tell(state.capture ? `Press a key for “${label(name)}”` : "");
 }
 
 function toggleKeys(event) {
@@ -75,6 +80,6 @@ function toggleKeys(event) {
 
 function asTheyCame() {
   reset();
-  Object.assign(state, { capture: null, conflict: "" });
+  state.capture = null;
   tell("All keys are as they came", "good");
 }

@@ -91,7 +91,6 @@ function take(event, key) {
   event.stopPropagation();
   const name = state.capture;
   const why = remap(name, key, label);
-  state.conflict = why;
   if (why) return tell(why, "bad");
   state.capture = null;
   return tell(`“${label(name)}” has another key now`, "good");

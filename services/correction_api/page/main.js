@@ -4,10 +4,11 @@ import { Focus } from "./focus.js";
 import { Help } from "./help.js";
 import { html, render } from "./html.js";
 import { listen } from "./keys.js";
+import { Line } from "./line.js";
 import { Live } from "./live.js";
 import { Lock } from "./lock.js";
 import { Overview } from "./overview.js";
-import { Line, Panel } from "./panel.js";
+import { Panel } from "./panel.js";
 import { show } from "./pictures.js";
 import { Rail } from "./rail.js";
 import { watchLifted, watchOverruled } from "./said.js";
@@ -33,7 +34,7 @@ function Page() {
       ${robot && html`<${Focus} key=${robot.robot} robot=${robot} turn=${turn} />`}
       ${robot && html`<${Panel} robot=${robot} />`}
       <${Rail} robots=${robots} turn=${turn} />
-      ${!robot && html`<div class="empty"><p>No robot has been heard of yet.</p><${Line} /></div>`}
+      ${!robot && html`<div class="empty"><p>No robot has been heard of yet.</p><${Line} hushed=${state.asking} /></div>`}
     </main>
     ${state.asking && html`<${Help} />`}
   `;

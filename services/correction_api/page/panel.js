@@ -2,6 +2,7 @@
 import { ACTIONS, approve, carryOn, endorse, freeze, release, slip, takeBack } from "./actions.js";
 import { html } from "./html.js";
 import { aria, keyOf, shown } from "./keymap.js";
+import { Line } from "./line.js";
 import { Palette } from "./palette.js";
 import { taken } from "./places.js";
 import { Said } from "./said.js";
@@ -16,17 +17,12 @@ export function Panel({ robot }) {
       <${Proposals} robot=${robot} />
       <div class="hand">
         <${Verdicts} robot=${robot} />
-        <${Line} />
+        <${Line} hushed=${state.asking} />
       </div>
       <${Said} robot=${robot} />
     </section>
   `;
 }
-
-/** The one line that is read out. */
-export const Line = () => html`
-  <p class=${`line ${state.line.mark}`} role="status" aria-live="polite">${state.line.text}</p>
-`;
 
 function Proposals({ robot }) {
   const proposed = robot.decision?.proposed ?? [];

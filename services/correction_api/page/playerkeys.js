@@ -10,6 +10,8 @@ const LABELS = {
   "player-end": "A stretch ends here",
 };
 
+const WAITS = "press a key …"; // Seen and heard alike.
+
 /** Whether single keys act. */
 export const singleKeys = { act: true };
 
@@ -59,10 +61,10 @@ const Row = ({ name }) => html`
   <li>
     ${LABELS[name]}${" "}
     <button
-      aria-label=${`Key for: ${LABELS[name]}, now ${shown(keyOf(name))}`}
+      aria-label=${`Key for: ${LABELS[name]}, ${waits === name ? WAITS : `now ${shown(keyOf(name))}`}`}
       onClick=${() => begin(name)}
     >
-      ${waits === name ? "press a key …" : html`<kbd>${shown(keyOf(name))}</kbd>`}
+      ${waits === name ? WAITS : html`<kbd>${shown(keyOf(name))}</kbd>`}
     </button>
   </li>
 `;

@@ -3,6 +3,7 @@ import { get, onRefused } from "./api.js";
 import { Head } from "./head.js";
 import { html, render } from "./html.js";
 import { actionOf, pressed } from "./keymap.js";
+import { Line } from "./line.js";
 import { Lock } from "./lock.js";
 import { sayToAll } from "./say.js";
 import { author, onChange, state } from "./store.js";
@@ -52,9 +53,6 @@ function stop(event) {
   event.preventDefault();
   sayToAll();
 }
-
-/** The one line that is read out. */
-const Line = () => html`<p class=${`line ${state.line.mark}`} role="status">${state.line.text}</p>`;
 
 /** What went wrong, where it matters. */
 export const Notice = ({ text }) => text && html`<p class="notice" role="status">${text}</p>`;

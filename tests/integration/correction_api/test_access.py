@@ -110,11 +110,23 @@ def keys_shown(page: Page) -> None:
     expect(page.get_by_role("dialog")).to_be_visible()
 
 
+def key_taken(page: Page) -> None:
+    """A key is waited for, and the one that was pressed is another action's."""
+    keys_shown(page)
+    page.get_by_role("button", name="Key for: That is right").click()
+    button = page.get_by_role("button", name="Key for: That is right, press a key …")
+    expect(button).to_have_text("press a key …")
+    expect(page.get_by_role("dialog").get_by_role("status")).to_contain_text("Press a key for")
+    page.keyboard.press("r")
+    expect(page.get_by_role("dialog").get_by_role("status")).to_contain_text("r is taken")
+
+
 STATES: dict[str, Callable[[Page], None]] = {
     "as it comes": at_work,
     "something was said": spoken,
     "something is typed": typed,
     "the keys are shown": keys_shown,
+    "a key is taken": key_taken,
 }
 
 

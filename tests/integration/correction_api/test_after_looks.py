@@ -85,6 +85,17 @@ def test_on_a_phone_the_form_comes_into_view_when_a_stretch_was_dragged(
         assert page.evaluate("document.documentElement.scrollWidth") <= PHONE[0]
 
 
+def test_axe_finds_nothing_in_the_player_while_a_key_is_waited_for(
+    browser: Browser, world: World
+) -> None:
+    with opened(browser, world.api, DESK, world.page) as page:
+        page.locator("summary", has_text="Keys").click()
+        page.get_by_role("button", name="Key for: One decision on, now .").click()
+        button = page.get_by_role("button", name="Key for: One decision on, press a key …")
+        expect(button).to_have_text("press a key …")
+        assert violations(page) == []
+
+
 @pytest.mark.parametrize("path", ["episodes.html", "progress.html", "figures.html", "docs.html"])
 def test_all_robots_can_be_frozen_from_every_page(
     browser: Browser, world: World, path: str

@@ -163,7 +163,7 @@ def test_keys_can_be_given_away_are_refused_when_taken_and_come_back(
     expect(dialog.locator("li")).to_have_count(24)
     dialog.get_by_role("button", name="Key for: That is right").click()
     page.keyboard.press("r")
-    expect(dialog.get_by_role("alert")).to_have_text(
+    expect(dialog.get_by_role("status")).to_have_text(
         "r is taken: it does “Release: the policy decides again”. Give that another key first."
     )
     page.keyboard.press("u")

@@ -86,7 +86,7 @@ def test_what_stops_gets_no_key_that_one_types_and_esc_always_stops(
     dialog.get_by_role("button", name="Key for: Freeze the robot in focus").click()
     for key in ("q", "Shift+Q", "7", "Backspace", "Control+x"):
         page.keyboard.press(key)
-        expect(dialog.get_by_role("alert")).to_contain_text("take F1 to F12 or Pause")
+        expect(dialog.get_by_role("status")).to_contain_text("take F1 to F12 or Pause")
     page.keyboard.press("F9")
     expect(dialog.get_by_role("button", name="Key for: Freeze the robot")).to_contain_text("F9")
     dialog.get_by_role("button", name="Close").click()
