@@ -3,6 +3,7 @@
 import { anatomy, assemble, delays, median, recall, STEPS_A_SECOND } from "./account.js";
 import { get } from "./api.js";
 import { html } from "./html.js";
+import { Aloud } from "./line.js";
 import { Outcome } from "./moment.js";
 import { when } from "./shell.js";
 import { GLYPHS, Timeline } from "./timeline.js";
@@ -80,10 +81,10 @@ export function Rollout({ episode }) {
       </p>
       ${episode && html`<${Drawn} episode=${episode} />`}
       ${episode === null &&
-      html`<p class="notice" role="status">
+      html`<${Aloud} class="notice">
         No episode has ended yet. Let robots work (<code>hld up</code> starts some): the newest one
         that has ended is drawn here.
-      </p>`}
+      <//>`}
     </section>
   `;
 }
@@ -108,10 +109,10 @@ function Drawn({ episode }) {
           </p>
           <${Counted} ...${episode} />
         `
-      : html`<p class="notice" role="status">
+      : html`<${Aloud} class="notice">
           Its ${told.decisions} decisions are the learner's to tell, and it doesn't now: start it
           (<code>hld learner</code>), or wait a moment.
-        </p>`}
+        <//>`}
     <p><a href=${`episode.html?id=${account.id}`}>The newest episode, decision by decision</a></p>
   `;
 }

@@ -4,6 +4,7 @@ import { assemble, recall, STEPS_A_SECOND } from "./account.js";
 import { Anatomy } from "./anatomy.js";
 import { html } from "./html.js";
 import { actionOf, keyOf, pressed, shown } from "./keymap.js";
+import { Aloud } from "./line.js";
 import { Moment, Title } from "./moment.js";
 import { PlayerKeys, singleKeys } from "./playerkeys.js";
 import { Relabel, takeBack } from "./relabel.js";
@@ -195,9 +196,9 @@ function view() {
       <${Title} ...${episode.account} />
       <${Notice} text=${state.notice} />
       ${state.away &&
-      html`<p class="notice" role="status">
+      html`<${Aloud} class="notice">
         The learner is away, so there are no decisions and pictures: ${state.away}
-      </p>`}
+      <//>`}
       <section class="panel stage" aria-label="Player">
         <${Timeline}
           ...${{ episode, cursor: state.cursor, span: state.span, seek: seekStep, select }}
@@ -216,7 +217,7 @@ function view() {
           />
         </div>`}
       </div>
-      <p class="small" role="status">${state.told}</p>
+      <${Aloud} class="small">${state.told}<//>
       <${SaidTable} ...${{ episode, retract }} />
       <${Anatomy} ...${episode} />
     </main>

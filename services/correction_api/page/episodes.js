@@ -1,7 +1,9 @@
 // Episodes as a list: filtered by what they were like, and the filters kept in the address.
 import { get } from "./api.js";
 import { html } from "./html.js";
+import { Aloud } from "./line.js";
 import { every, Notice, page, when } from "./shell.js";
+import { count } from "./words.js";
 
 const YES_NO = { corrected: ["corrected", "not corrected"], doubt: ["in doubt", "never in doubt"] };
 const MARKS = { success: "✓", timeout: "✗", aborted: "–" };
@@ -63,7 +65,8 @@ function view() {
           ${filters.size > 0 && html`<button type="button" onClick=${clear}>All episodes</button>`}
         </form>
         <${Notice} text=${state.notice} />
-        <${List} />
+        <${Aloud} class=${state.episodes.length ? "small" : "lead"} quiet>${counted()}<//>
+        ${state.episodes.length > 0 && html`<${List} />`}
       </section>
     </main>
   `;
@@ -92,12 +95,7 @@ function Choose({ name, label, all, options }) {
 }
 
 function List() {
-  if (!state.episodes.length) {
-    const text = filters.size ? "No episode is like this." : "No episode has ended yet.";
-    return state.loaded && html`<p class="lead" role="status">${text}</p>`;
-  }
   return html`
-    <p class="small" role="status">${counted()}, the newest first</p>
     <div class="scroll" tabindex="0" role="region" aria-label="List of episodes">
       <table class="list" role="table" aria-label="Episodes">
         <thead>
@@ -124,9 +122,11 @@ function List() {
 }
 
 function counted() {
-  const { episodes, next } = state;
-  if (next) return `${episodes.length} or more episodes`;
-  return episodes.length === 1 ? "1 episode" : `${episodes.length} episodes`;
+  const { episodes, next, loaded } = state;
+  if (!loaded) return "";
+  if (!episodes.length) return filters.size ? "No episode is like this." : "No episode has ended yet.";
+  const number = next ? `${episodes.length} or more episodes` : count(episodes.length, "episode");
+  return `${number}, the newest first`;
 }
 
 function Row(episode) {

@@ -1,6 +1,7 @@
 // Compounding error: success as prompts take more skills, beside (1-ε)^T.
 import { Curves, Legend } from "./curves.js";
 import { html } from "./html.js";
+import { Aloud } from "./line.js";
 import { Missing, share, Slider, Source, Tabs } from "./measured.js";
 
 const own = { epsilon: 0.05, horizon: 10, task: null };
@@ -37,10 +38,10 @@ export function Horizon({ report, missing, touch }) {
         <${Slider} label="your horizon T" min="1" max=${REACH} step="1" value=${own.horizon}
           shown=${`${own.horizon} skills`} change=${set("horizon")} />
       </div>
-      <p class="reckoned" role="status">
+      <${Aloud} class="reckoned" quiet>
         (1 − ${own.epsilon.toFixed(3)})^${own.horizon} = ${(100 * reckoned).toFixed(1)} %
         <span class="small"> reckoned, not measured; to reach 90 % at this T, ε may be at most ${(1 - 0.9 ** (1 / own.horizon)).toFixed(3)}</span>
-      </p>
+      <//>
       ${task && html`<${Table} by=${report.figures[task]} task=${task} />`}
     </section>
   `;

@@ -4,7 +4,7 @@ import { Focus } from "./focus.js";
 import { Help } from "./help.js";
 import { html, render } from "./html.js";
 import { listen } from "./keys.js";
-import { Line } from "./line.js";
+import { Aloud, Line } from "./line.js";
 import { Live } from "./live.js";
 import { Lock } from "./lock.js";
 import { Overview } from "./overview.js";
@@ -43,13 +43,13 @@ function Page() {
 /** What one sees is old: said once, while the seconds go on. */
 function Outage() {
   if (!state.ready || (state.linked && !state.silent)) return null;
-  if (!state.silent) return html`<p class="banner" role="alert">No connection …</p>`;
+  if (!state.silent) return html`<${Aloud} class="banner">No connection …<//>`;
   return html`
-    <p class="banner" role="alert">
+    <${Aloud} class="banner">
       Nothing heard from the service${" "}
       <span aria-hidden="true">for ${state.silent} s</span>: what you see is old, and robots may
       move. A freeze is sent again until it is answered.
-    </p>
+    <//>
   `;
 }
 

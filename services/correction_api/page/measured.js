@@ -8,7 +8,7 @@ export const Source = ({ report }) => html`
   </p>
 `;
 
-export const Missing = ({ text }) => html`<p class="notice" role="status">${text ?? "…"}</p>`;
+export const Missing = ({ text }) => html`<p class="notice">${text ?? "…"}</p>`;
 
 export function Slider({ label, value, min, max, step, shown, change }) {
   return html`

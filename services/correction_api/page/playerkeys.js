@@ -1,6 +1,7 @@
 // The keys of the player: what they are, which others they shall be, or that none acts.
 import { html } from "./html.js";
 import { changed, keyOf, pressed, remap, reset, shown, useKeys } from "./keymap.js";
+import { Aloud } from "./line.js";
 
 const LABELS = {
   "player-back": "One decision back",
@@ -44,7 +45,7 @@ export function PlayerKeys({ touch }) {
     <details class="small">
       <summary>Keys</summary>
       <p>Press a key here to change it; Esc keeps it.</p>
-      ${conflict && html`<p role="alert">${conflict}</p>`}
+      ${conflict && html`<${Aloud} class="notice">${conflict}<//>`}
       <ul>
         ${Object.keys(LABELS).map((name) => html`<${Row} key=${name} name=${name} />`)}
       </ul>

@@ -2,6 +2,7 @@
 import { get } from "./api.js";
 import { Curves, Legend } from "./curves.js";
 import { html } from "./html.js";
+import { Aloud } from "./line.js";
 import { Decide, Rulings } from "./rulings.js";
 import { every, Notice, page, told, when } from "./shell.js";
 import { count } from "./words.js";
@@ -32,9 +33,9 @@ function view() {
     <main class="after grid-2">
       ${state.notice && html`<div class="wide"><${Notice} text=${state.notice} /></div>`}
       ${state.away &&
-      html`<p class="notice wide" role="status">
+      html`<${Aloud} class="notice wide">
         The learner is away: rounds and versions are as they were last seen. ${state.away}
-      </p>`}
+      <//>`}
       ${policy && html`<${Brought} rounds=${policy.rounds} />`}
       ${state.versions.length
         ? html`<${Success} /><${Effort} /><${Table} />`

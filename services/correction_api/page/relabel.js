@@ -2,6 +2,7 @@
 import { Problem, get, newId, post } from "./api.js";
 import { within } from "./account.js";
 import { Component, html } from "./html.js";
+import { Aloud } from "./line.js";
 import { person } from "./shell.js";
 import { verdict } from "./verdict.js";
 
@@ -56,7 +57,7 @@ export function Relabel({ episode, span, bank, setSpan, close, said, begunNs, pr
           `,
         )}
       </p>`}
-      ${problem && html`<p class="notice" role="alert">${problem}</p>`}
+      ${problem && html`<${Aloud} class="notice">${problem}<//>`}
       <div class="actions">
         <button class="primary" disabled=${!covered.length}>Keep</button>
         <button type="button" onClick=${() => send({ kind: "fault" })}>

@@ -2,6 +2,7 @@
 import { STEPS_A_SECOND } from "./account.js";
 import { Curves, Legend } from "./curves.js";
 import { html } from "./html.js";
+import { Aloud } from "./line.js";
 import { banded, Cells, Missing, Slider, Source } from "./measured.js";
 
 const own = { interval: 20, delay: 0, episode: 480 };
@@ -67,10 +68,10 @@ function Own({ touch }) {
       <${Slider} label="an episode lasts" min="100" max="3000" step="20" value=${own.episode}
         shown=${`${told(own.episode)} s`} change=${set("episode")} />
     </div>
-    <p class="reckoned" role="status">
+    <${Aloud} class="reckoned" quiet>
       A command that turns wrong stays in force for ${told(mean)} s on average, at most${" "}
       ${told(worst)} s, at ${Math.ceil(own.episode / own.interval)} queries an episode.
       <span class="small"> Reckoned from interval and delay, not measured.</span>
-    </p>
+    <//>
   `;
 }

@@ -1,6 +1,7 @@
 // What people decide about versions: put one in force that was held back, or go back to another.
 import { newId, post } from "./api.js";
 import { html } from "./html.js";
+import { Aloud } from "./line.js";
 import { person, when } from "./shell.js";
 
 const form = { notice: "", wrong: false, busy: false, id: newId() };
@@ -33,7 +34,7 @@ export function Decide({ policy, done }) {
         options=${fit.map(({ number }) => [number, `${number}`])}
         done=${done}
       />
-      <p role="status" class=${form.wrong ? "notice" : "small"}>${form.notice}</p>
+      <${Aloud} class=${form.wrong ? "notice" : "small"}>${form.notice}<//>
     </section>
   `;
 }

@@ -3,7 +3,7 @@ import { get, onRefused } from "./api.js";
 import { Head } from "./head.js";
 import { html, render } from "./html.js";
 import { actionOf, pressed } from "./keymap.js";
-import { Line } from "./line.js";
+import { Aloud, Line } from "./line.js";
 import { Lock } from "./lock.js";
 import { sayToAll } from "./say.js";
 import { author, onChange, state } from "./store.js";
@@ -55,7 +55,7 @@ function stop(event) {
 }
 
 /** What went wrong, where it matters. */
-export const Notice = ({ text }) => text && html`<p class="notice" role="status">${text}</p>`;
+export const Notice = ({ text }) => text && html`<${Aloud} class="notice">${text}<//>`;
 
 export const percent = (share) => `${Math.round(100 * share)} %`;
 

@@ -29,6 +29,7 @@ export const state = {
   sending: {}, // by id: what was said here and is not in the log yet, or was never taken
   places: {}, // by robot: which phrase stands on which key, see `places.js`
   line: { mark: "", text: "" }, // the one line that is read out
+  aside: "", // what it reads out besides, which stands elsewhere on the page (`line.js`)
 };
 
 let changed = () => {};

@@ -11,11 +11,11 @@ from playwright.sync_api import Browser, expect
 from shared.messages.episode import Outcome
 from shared.wire.codec import encode
 from shared.wire.keys import robot_key
-from tests.integration.correction_api.browsing import DESK, PHONE, drag_stretch, opened
+from tests.integration.correction_api.browsing import DESK, PHONE, drag_stretch, line, opened
 from tests.integration.correction_api.fakes import COMMANDS, FLEET
 from tests.integration.correction_api.keeper import attempt, kept
 from tests.integration.correction_api.running import eventually
-from tests.integration.correction_api.test_access import violations
+from tests.integration.correction_api.test_access import hushed, violations
 
 SAID = "api/v1/robots/robot-1/corrections"
 
@@ -48,11 +48,12 @@ def test_axe_finds_nothing_on_pages_with_episodes_and_things_said(
         ("episodes.html", "tr[data-episode]"),
         (world.page, "tr[data-correction]"),
         ("progress.html", "[data-round]"),
+        ("figures.html", ".timeline"),
     ):
         with opened(browser, world.api, size, path) as page:
             expect(page.locator(wanted).first).to_be_visible()
             page.wait_for_load_state("networkidle")
-            found[path] = violations(page)
+            found[path] = violations(page) + hushed(page)
             assert page.evaluate("document.documentElement.scrollWidth") <= size[0]
     assert found == {path: [] for path in found}
 
@@ -94,6 +95,41 @@ def test_axe_finds_nothing_in_the_player_while_a_key_is_waited_for(
         button = page.get_by_role("button", name="Key for: One decision on, press a key …")
         expect(button).to_have_text("press a key …")
         assert violations(page) == []
+
+
+def test_one_line_of_a_page_reads_out_what_changes_elsewhere_on_it(
+    browser: Browser, world: World
+) -> None:
+    with opened(browser, world.api, DESK, "episodes.html") as page:
+        page.get_by_label("Success").select_option("true")
+        expect(line(page)).to_have_text("No episode is like this.")
+        page.get_by_role("button", name="All episodes").click()
+        expect(line(page)).to_have_text("1 episode, the newest first")
+        assert hushed(page) == []
+    with opened(browser, world.api, DESK, "figures.html") as page:
+        page.get_by_label("your ε").fill("0.1")
+        expect(line(page)).to_contain_text("(1 − 0.100)^10 = 34.9 %")
+        page.get_by_label("asked every").fill("50")
+        expect(line(page)).to_contain_text("A command that turns wrong stays in force")
+        expect(line(page)).not_to_contain_text("34.9 %")
+        assert hushed(page) == []
+    with opened(browser, world.api, DESK, "progress.html") as page:
+        form = page.get_by_role("form", name="Roll back")
+        form.get_by_label("reason").fill("it drops the bread")
+        form.get_by_role("button").click()
+        expect(line(page)).to_have_text("Kept: roll back to version 1.0.")
+        assert hushed(page) == []
+    with opened(browser, world.api, DESK, world.page) as page:
+        drag_stretch(page, 0.35, 0.75)
+        page.locator("summary", has_text="Keys").click()
+        page.get_by_role("button", name="Key for: One decision on, now .").click()
+        page.keyboard.press("Tab")
+        expect(line(page)).to_have_text("Tab is needed to move about in the page.")
+        page.get_by_role("button", name="Freeze all").click()
+        expect(line(page)).to_contain_text("robot-1 is frozen")
+        page.keyboard.press("Escape")
+        expect(line(page)).to_have_text("robot-1 is frozen")
+        assert hushed(page) == []
 
 
 @pytest.mark.parametrize("path", ["episodes.html", "progress.html", "figures.html", "docs.html"])

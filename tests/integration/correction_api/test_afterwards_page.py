@@ -11,7 +11,7 @@ from playwright.sync_api import Browser, Page, Route, expect
 
 from shared.messages.episode import Outcome
 from shared.wire.memory import MemoryBus, MemoryRouter
-from tests.integration.correction_api.browsing import DESK, PHONE, drag_stretch, opened
+from tests.integration.correction_api.browsing import DESK, PHONE, drag_stretch, line, opened
 from tests.integration.correction_api.fakes import COMMANDS, FakeLearner, FakeRobot
 from tests.integration.correction_api.keeper import attempt, kept
 from tests.integration.correction_api.running import eventually, running
@@ -88,7 +88,7 @@ def test_a_stretch_is_dragged_and_relabelled_and_taken_back(browser: Browser, wo
         field.fill(COMMANDS[2])
         form.get_by_role("button", name="Keep").click()
         kept = f"Kept for the learner, of steps {first} to {end}."
-        expect(page.get_by_role("status").filter(has_text=kept)).to_have_count(1)
+        expect(line(page)).to_have_text(kept)
         row = page.locator("tr[data-correction]").last
         expect(row).to_contain_text(
             f"relabelled{COMMANDS[2]}person{first} to {end}kept for the next"
@@ -110,7 +110,7 @@ def test_what_is_not_kept_is_told_in_the_form_and_said_once_however_often_it_is_
     url = str(world.api.base_url.join(f"episode.html?id={world.bad}"))
     with visited(browser, url, outage=True) as page:
         form = drag_stretch(page, 0.25, 0.55)
-        field, problem = form.get_by_label("the right command"), form.get_by_role("alert")
+        field, problem = form.get_by_label("the right command"), form.locator(".notice")
         field.fill("dance around")
         form.get_by_role("button", name="Keep").click()
         expect(problem).to_contain_text("dance around")
@@ -169,7 +169,7 @@ def test_the_keys_of_the_player_can_be_given_away_and_turned_off(
         page.locator("summary", has_text="Keys").click()
         page.get_by_role("button", name="Key for: One decision on, now .").click()
         page.keyboard.press("[")
-        expect(page.get_by_role("alert")).to_contain_text("[ is taken: it does “A stretch begins")
+        expect(line(page)).to_contain_text("[ is taken: it does “A stretch begins")
         page.keyboard.press("k")
         page.reload()
         expect(page.get_by_role("button", name="Step on")).to_contain_text("k")

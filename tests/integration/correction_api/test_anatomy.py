@@ -65,7 +65,7 @@ def test_before_an_episode_has_ended_it_says_what_to_do(
 ) -> None:
     with MemoryBus(router) as bus, running(bus, tmp_path) as api:
         with opened(browser, api, size, FIGURES) as page:
-            expect(panel(page).get_by_role("status")).to_contain_text(
+            expect(panel(page).locator(".notice")).to_contain_text(
                 "No episode has ended yet. Let robots work (hld up starts some)"
             )
             assert violations(page) == []
@@ -81,7 +81,7 @@ def test_while_the_learner_is_away_the_episode_is_told_and_what_is_missing(
         eventually(lambda: api.get("api/v1/episodes").json()["episodes"])
         with visited(browser, str(api.base_url.join(FIGURES))) as page:
             expect(panel(page).get_by_role("heading", level=3)).to_have_text(ended.prompt)
-            expect(panel(page).get_by_role("status")).to_contain_text("start it (hld learner)")
+            expect(panel(page).locator(".notice")).to_contain_text("start it (hld learner)")
             link = panel(page).get_by_role("link", name="The newest episode")
             expect(link).to_have_attribute("href", f"episode.html?id={ended.id}")
             assert violations(page) == []

@@ -23,12 +23,12 @@ def test_a_service_that_hangs_is_said_to_and_a_freeze_gets_through_when_it_is_ba
             expect(line(page)).to_have_text(
                 re.compile(r"freeze, robot-1: the service does not answer; trying again, for \d+ s")
             )
-            expect(page.get_by_role("alert")).to_contain_text(
+            expect(page.locator(".banner")).to_contain_text(
                 re.compile(r"Nothing heard from the service for \d+ s: what you see is old")
             )
             expect(page.locator("canvas.drawn").first).to_have_css("filter", GREY)
         expect(line(page)).to_contain_text("freeze, robot-1: in force since step")
-        expect(page.get_by_role("alert")).to_have_count(0)
+        expect(page.locator(".banner")).to_have_count(0)
         expect(page.locator("canvas.drawn").first).to_have_css("filter", "none")
         paused = [view for view in cell.said() if view["correction"]["kind"] == "pause"]
         assert len(paused) == 1
@@ -54,6 +54,6 @@ def test_a_connection_on_which_nothing_comes_any_more_is_made_anew(
         page.reload()
         at_work(page)
         deaf.append(True)
-        expect(page.get_by_role("alert")).to_contain_text("Nothing heard from the service")
+        expect(page.locator(".banner")).to_contain_text("Nothing heard from the service")
         eventually(lambda: page.wait_for_timeout(100) or len(made) > 1)
-        expect(page.get_by_role("alert")).to_have_count(0)
+        expect(page.locator(".banner")).to_have_count(0)

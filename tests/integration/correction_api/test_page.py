@@ -216,7 +216,7 @@ def test_a_refusal_and_a_lost_connection_are_told(
             why = "refused, since episode robot-1-e1 is over; the current one is robot-1-e9"
             expect(line(page)).to_contain_text(why)
             expect(said(page).first).to_contain_text(why)
-        expect(page.get_by_role("alert")).to_have_text("No connection …")
+        expect(page.locator(".banner")).to_have_text("No connection …")
         page.close()
         robot.close()
 

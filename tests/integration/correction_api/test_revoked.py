@@ -112,9 +112,9 @@ def test_a_service_that_was_started_again_and_still_knows_the_token_is_found_aga
             page.goto(service.url)
             unlock(page, BEN)
             expect(page.locator(".proposal")).to_have_count(len(COMMANDS))
-        expect(page.get_by_role("alert")).to_have_text("No connection …")
+        expect(page.locator(".banner")).to_have_text("No connection …")
         with service.started(people=WITHOUT_ANNA):
-            expect(page.get_by_role("alert")).to_have_count(0)
+            expect(page.locator(".banner")).to_have_count(0)
             expect(page.locator(".proposal")).to_have_count(len(COMMANDS))
 
 

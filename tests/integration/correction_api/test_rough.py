@@ -65,11 +65,11 @@ def test_the_page_comes_back_after_a_kill_and_has_lost_nothing_that_it_showed_as
             expect(page.get_by_role("status").first).to_have_text(shown)
         _say(page, "put it on the plate")  # Whether it is taken yet, nobody knows.
         cell.kill()
-        expect(page.get_by_role("alert").first).to_be_visible()
+        expect(page.locator(".banner").first).to_be_visible()
         field = page.locator("input[name=words]").first
         field.fill("pick up the ham, gently")
         cell.restart()
-        expect(page.get_by_role("alert")).to_have_count(0)
+        expect(page.locator(".banner")).to_have_count(0)
         expect(field).to_have_value("pick up the ham, gently")
         matches = [ACCEPTED.match(text) for text in page.evaluate("shown")]
         told = {match.groups() for match in matches if match}
