@@ -4,8 +4,8 @@
 import { openPalette } from "./palette.js";
 import { unsettled } from "./places.js";
 import { place, say, sayToAll, settled } from "./say.js";
-import { author, focus, inDoubt, look, names, state, tell, touch } from "./store.js";
-import { named, standing } from "./words.js";
+import { author, callOf, focus, inDoubt, look, names, state, tell, touch } from "./store.js";
+import { arrived, named, standing } from "./words.js";
 
 const TAKEN_BACK = ["override", "release", "approve", "edit", "retime", "relabel", "fault", "endorse"];
 
@@ -174,21 +174,27 @@ async function retell(robot, what, saying) {
   return id;
 }
 
+/** Look at another robot, and say which one that is: whoever goes by keys may not see it. */
+function turnTo(robot) {
+  look(robot);
+  if (focus()) tell(arrived(focus(), callOf(robot)));
+}
+
 function next() {
   const robot = inDoubt();
-  if (robot) look(robot);
+  if (robot) turnTo(robot);
   else tell("No robot is in doubt");
 }
 
 export function move(by) {
   const robots = names();
-  look(robots[(robots.indexOf(state.focused) + by + robots.length) % robots.length]);
+  turnTo(robots[(robots.indexOf(state.focused) + by + robots.length) % robots.length]);
 }
 
 /** Go to the how-manieth robot, from 1. */
 export function go(number) {
   const robot = names()[number - 1];
-  if (robot) look(robot);
+  if (robot) turnTo(robot);
   else tell(`There is no robot ${number}`, "bad");
 }
 

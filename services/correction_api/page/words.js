@@ -134,6 +134,10 @@ export const doing = ({ presence, state, age_s }) => {
   return state === "paused" ? "frozen" : state;
 };
 
+/** Which robot one has gone to, and why that may need one, or else what it does. */
+export const arrived = (robot, call) =>
+  `${robot.robot} is in focus: ${call ? doubt(call) : doing(robot)}`;
+
 /** Why a robot asks for help. */
 export const doubt = (call) =>
   call.reason === "stuck" ? "stuck" : `in doubt ${percent(call.doubt)}`;

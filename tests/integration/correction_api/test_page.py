@@ -169,9 +169,16 @@ def test_robots_in_doubt_are_marked_and_a_key_goes_from_one_to_the_next(
             others[1].ask(doubt=0.4, waits_s=60)
             expect(page.get_by_role("button", name="2 in doubt")).to_be_visible()
             expect(page.locator("[data-tile=robot-2] .doubt")).to_have_text("? in doubt 50 %")
-            for name in ("robot-3", "robot-2", "robot-3"):
+            for name, doubt in (("robot-3", 40), ("robot-2", 50), ("robot-3", 40)):
                 page.keyboard.press("n")
                 expect(focused(page)).to_have_text(name)
+                expect(line(page)).to_have_text(f"{name} is in focus: in doubt {doubt} %")
+            page.keyboard.press("ArrowLeft")
+            expect(line(page)).to_have_text("robot-2 is in focus: in doubt 50 %")
+            page.keyboard.press("ArrowLeft")
+            expect(line(page)).to_have_text("robot-1 is in focus: acting")
+            page.keyboard.press("n")
+            expect(focused(page)).to_have_text("robot-3")
             expect(page.locator(".focus .doubt")).to_contain_text("waits")
             page.keyboard.press("y")
             expect(page.get_by_role("button", name="1 in doubt")).to_be_visible()
