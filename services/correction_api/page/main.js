@@ -14,9 +14,21 @@ import { Rail } from "./rail.js";
 import { watchLifted, watchOverruled } from "./said.js";
 import { settle } from "./say.js";
 import { cancel, listenForSpeech } from "./speak.js";
-import { author, focus, hear, loadHistory, loadTally, names, onChange, state, touch } from "./store.js";
+import {
+  author,
+  focus,
+  hear,
+  loadHistory,
+  loadTally,
+  names,
+  onChange,
+  state,
+  tick,
+  touch,
+} from "./store.js";
 
 const INTRODUCE_MS = 400; // After the last letter of a name.
+const TICK_MS = 1000;
 
 let live = null;
 let coming = ""; // the name that is told next, or was
@@ -112,6 +124,7 @@ async function start() {
   const take = (message) => [heard, settle].forEach((hear) => hear(message));
   if (!state.locked) live = new Live({ heard: take, seen: show, linked, present, quiet });
   listen();
+  setInterval(tick, TICK_MS);
   touch();
 }
 

@@ -68,6 +68,11 @@ const byNumber = new Intl.Collator("en", { numeric: true }).compare;
 /** The robot in focus, if there is one. */
 export const focus = () => state.robots[state.focused] ?? null;
 
+/** Count on for how long robots have been away. */
+export function tick() {
+  if (Object.values(state.robots).some(({ presence }) => presence !== "online")) touch();
+}
+
 /** Look at another robot. */
 export function look(robot) {
   if (!state.robots[robot] || state.focused === robot) return;
@@ -115,6 +120,7 @@ export function hear(message) {
 }
 
 function hearRobot(robot) {
+  robot.heardMs ??= performance.now();
   state.robots[robot.robot] = robot;
   if (!state.focused) refocus(robot.robot);
   if (robot.decision) place(robot);

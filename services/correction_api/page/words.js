@@ -128,10 +128,15 @@ export function idOf(name) {
 
 export const percent = (score) => (score < 0.005 ? "0 %" : `${Math.round(100 * score)} %`);
 
-/** What a robot does, in a word or two. */
-export const doing = ({ presence, state, age_s }) => {
-  if (presence !== "online") return `${presence} for ${Math.round(age_s)} s`;
-  return state === "paused" ? "frozen" : state;
+const MINUTES_FROM_S = 120;
+
+/** What a robot does, in a word or two; heardMs: when that was told, by this page's clock. It is told
+ *  once that a robot has fallen silent, and the time goes on. */
+export const doing = ({ presence, state, age_s, heardMs }) => {
+  if (presence === "online") return state === "paused" ? "frozen" : state;
+  const silent_s = age_s + (performance.now() - heardMs) / 1000;
+  if (silent_s < MINUTES_FROM_S) return `${presence} for ${Math.round(silent_s)} s`;
+  return `${presence} for ${Math.floor(silent_s / 60)} min`;
 };
 
 /** Which robot one has gone to, and why that may need one, or else what it does. */

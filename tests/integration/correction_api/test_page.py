@@ -1,5 +1,6 @@
 """The live page in a real browser: what one sees of the robots, and of what was said."""
 
+import re
 from pathlib import Path
 
 import httpx
@@ -184,6 +185,28 @@ def test_robots_in_doubt_are_marked_and_a_key_goes_from_one_to_the_next(
             expect(page.get_by_role("button", name="1 in doubt")).to_be_visible()
         for other in others:
             other.close()
+
+
+def test_for_how_long_a_robot_is_offline_counts_on_while_nothing_is_heard_of_it(
+    browser: Browser, router: MemoryRouter, robot: FakeRobot, other: FakeRobot, tmp_path: Path
+) -> None:
+    watch = {"stale_s": 0.5, "offline_s": 1.0}
+    with MemoryBus(router) as bus, running(bus, tmp_path, watch=watch) as api:
+        eventually(lambda: len(api.get("api/v1/robots").json()["robots"]) == 2)
+        with opened(browser, api) as page:
+            expect(page.locator(".tile")).to_have_count(2)
+            robot.deaf = other.deaf = True
+            later = re.compile(r"^offline for (?!1 |2 )\d+ s$")  # It is told after a second, once.
+            expect(page.locator(".focus .doing")).to_have_text(later)
+            expect(page.locator("[data-tile=robot-2] .doing")).to_have_text(later)
+            robot.deaf = False
+            expect(page.locator(".focus .doing")).to_have_text("acting")
+            told = page.evaluate(
+                "async robot => (await import('./words.js')).doing("
+                "{ ...robot, heardMs: performance.now() })",
+                {"presence": "offline", "age_s": 190.0},
+            )
+            assert told == "offline for 3 min"
 
 
 def test_a_correction_goes_from_in_force_to_learned_and_stays_so_after_a_rollback(
