@@ -1,6 +1,8 @@
 // Which known commands are meant by a few letters: word by word, with slips of the finger.
 const LEADS = ["pick", "put", "up", "the", "it", "in", "on", "down", "a", "an", "into", "wait"];
 
+const GUESSED = 0.75; // how alike a short word and one with a slip in it are
+
 export const wordsOf = (text) => text.toLowerCase().match(/[\p{L}\p{N}]+/gu) ?? [];
 
 /** The things that a command is about and a prompt names. */
@@ -10,28 +12,28 @@ export function named(command, prompt) {
 }
 
 /**
- * Known commands that fit what was typed, best first: [{text, inPrompt, score}]. Every word that
- * was typed must be found; what the prompt names goes before the rest.
+ * Known commands that fit what was typed, best first: [{text, inPrompt, score, guessed}]. Every word
+ * that was typed must be found; what the prompt names goes before the rest. guessed: a slip in a
+ * short word was made good, which may as well be another word.
  */
 export function rank(typed, commands, prompt) {
   const words = wordsOf(typed);
   return commands
     .map((text, at) => {
       const inPrompt = named(text, prompt);
-      return { text, inPrompt, score: score(words, wordsOf(text)) + (inPrompt ? 0.5 : 0), at };
+      const likes = words.map((word) => likest(word, wordsOf(text)));
+      const guessed = likes.includes(GUESSED);
+      return { text, inPrompt, score: mean(likes) + (inPrompt ? 0.5 : 0), at, guessed };
     })
     .filter(({ score }) => score > 0 || !words.length)
     .sort((one, other) => other.score - one.score || one.at - other.at);
 }
 
-function score(words, known) {
-  let sum = 0;
-  for (const word of words) {
-    const best = Math.max(...known.map((one) => alike(word, one)));
-    if (best <= 0) return -1;
-    sum += best;
-  }
-  return words.length ? sum / words.length : 0;
+const likest = (word, known) => Math.max(...known.map((one) => alike(word, one)));
+
+function mean(likes) {
+  if (likes.includes(0)) return -1;
+  return likes.length ? likes.reduce((sum, like) => sum + like) / likes.length : 0;
 }
 
 /** 0 (not alike) to 4 (the same). */
@@ -40,7 +42,8 @@ function alike(word, known) {
   if (known.startsWith(word)) return 3;
   if (word.length > 2 && known.includes(word)) return 2;
   if (word.length > 3 && slips(word, known) <= 1) return 1.5;
-  return word.length > 1 && word[0] === known[0] && within(word, known) ? 1 : 0;
+  if (word.length > 1 && word[0] === known[0] && within(word, known)) return 1;
+  return word.length === 3 && known.length > 2 && slips(word, known, true) <= 1 ? GUESSED : 0;
 }
 
 /** The letters of a word stand in another one, in order. */
@@ -50,8 +53,8 @@ function within(word, known) {
   return at === word.length;
 }
 
-/** Letters to add, leave out, change or swap, to make a word the beginning of another one. */
-function slips(word, known) {
+/** Letters to add, leave out, change or swap, to make a word another one, or its beginning. */
+function slips(word, known, whole = false) {
   let before = null;
   let row = Array.from({ length: known.length + 1 }, (_, at) => at);
   for (let i = 1; i <= word.length; i++) {
@@ -64,5 +67,5 @@ function slips(word, known) {
     }
     [before, row] = [row, next];
   }
-  return Math.min(...row.slice(Math.max(0, word.length - 1)));
+  return whole ? row.at(-1) : Math.min(...row.slice(Math.max(0, word.length - 1)));
 }

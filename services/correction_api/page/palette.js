@@ -121,14 +121,17 @@ export class Palette extends Component {
     const typed = text.trim();
     if (isStop(typed)) return [{ text: typed, kind: "known", note: "freezes the robot" }];
     const fits = rank(typed, known, this.props.robot.prompt ?? "").slice(0, SHOWN);
-    const options = fits.map(({ text: command, inPrompt }) => ({
-      text: command,
-      kind: "known",
-      note: inPrompt ? "known · in the prompt" : "known",
-    }));
-    if (!typed || known.includes(typed.toLowerCase())) return options;
+    const [sure, guessed] = [false, true].map((guess) =>
+      fits.filter((fit) => fit.guessed === guess).map(({ text: command, inPrompt }) => ({
+        text: command,
+        kind: "known",
+        note: inPrompt ? "known · in the prompt" : "known",
+      })),
+    );
+    if (!typed || known.includes(typed.toLowerCase())) return sure;
     const shownAlready = new Set(fits.map((fit) => fit.text));
-    return [...options, ...this.phrase(typed, shownAlready)];
+    const [asTyped, ...near] = this.phrase(typed, shownAlready);
+    return [...sure, asTyped, ...guessed, ...near]; // Enter alone says no guess.
   }
 
   phrase(typed, shownAlready) {

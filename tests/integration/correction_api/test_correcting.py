@@ -16,6 +16,14 @@ from tests.integration.correction_api.browsing import (
 from tests.integration.correction_api.fakes import COMMANDS, FakeRobot
 from tests.integration.correction_api.running import eventually
 
+SLIPS = ("cpu", "cip", "cuo", "xup")
+RANKED = """
+async ([typed, known]) => {
+  const { rank } = await import("./fuzzy.js");
+  return rank(typed, known, "").map(({ text, guessed }) => [text, guessed]);
+}
+"""
+
 
 def test_every_key_says_what_it_stands_for(page: Page, robot: FakeRobot) -> None:
     expected = []
@@ -103,6 +111,33 @@ def test_the_palette_finds_known_commands_by_a_few_letters(page: Page, robot: Fa
     assert told.goal is not None
     assert told.goal.text == "pick up the cheese"
     expect(page.locator("input[name=words]")).to_have_value("")
+
+
+def test_a_slip_in_a_word_of_three_letters_finds_it_and_nothing_else(page: Page) -> None:
+    cup = "pick up the cup"
+    known = ["pick up the ham", cup, "put it in the tub", "put it in the bin"]
+    found = {typed: page.evaluate(RANKED, [typed, known]) for typed in ("cup", *SLIPS, "elk")}
+    assert found == {"cup": [[cup, False]], **{slip: [[cup, True]] for slip in SLIPS}, "elk": []}
+
+
+def test_a_guess_at_a_short_word_stands_below_what_was_typed_and_enter_does_not_say_it(
+    page: Page, robot: FakeRobot
+) -> None:
+    page.keyboard.press("/")
+    page.keyboard.type("pick up teh bread")
+    options = page.locator("[role=option]")
+    expect(options.nth(0)).to_contain_text("pick up teh bread")
+    expect(options.nth(1)).to_contain_text("pick up the bread")
+    page.keyboard.press("Enter")
+    eventually(lambda: robot.heard)
+    page.keyboard.press("/")
+    page.keyboard.type("pick up teh bread")
+    expect(options.nth(1)).to_contain_text("pick up the bread")
+    page.keyboard.press("ArrowDown")
+    page.keyboard.press("Enter")
+    eventually(lambda: len(robot.heard) == 2)
+    said = [one.goal.text for one in robot.heard if one.goal]
+    assert said == ["pick up teh bread", "pick up the bread"]
 
 
 def test_a_new_phrase_is_marked_as_new_and_the_nearest_known_ones_stand_beside_it(
