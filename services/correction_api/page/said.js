@@ -3,7 +3,7 @@ import { mine, takeBack, takenBack } from "./actions.js";
 import { html } from "./html.js";
 import { lesson } from "./lineage.js";
 import { author, state, tell } from "./store.js";
-import { named, overruled, over, standing } from "./words.js";
+import { named, namedAmong, overruled, over, standing } from "./words.js";
 
 const clock = (ms) => new Date(ms).toLocaleTimeString([], { hour12: false });
 
@@ -16,30 +16,30 @@ export function Said({ robot }) {
   const resumes = views.filter(
     ({ correction, status }) => correction.kind === "resume" && status === "in force",
   );
-  const now = { robot, resumes };
+  const now = { robot, resumes, me: author() };
   return html`
     <section class="said" aria-label=${`Said about ${robot.robot}`}>
       <h3>Said</h3>
       <ol>
-        ${waiting.map((one) => html`<${Unsent} key=${one.id} one=${one} />`)}
-        ${views.map((view) => html`<${Line} key=${view.correction.id} ...${{ view, gone, now }} />`)}
+        ${waiting.map((one) => html`<${Unsent} key=${one.id} ...${{ one, views }} />`)}
+        ${views.map((view) => html`<${Line} key=${view.correction.id} ...${{ view, views, gone, now }} />`)}
       </ol>
       ${!waiting.length && !views.length && html`<p class="none">Nothing has been said yet.</p>`}
     </section>
   `;
 }
 
-function Unsent({ one }) {
+function Unsent({ one, views }) {
   return html`
     <li class=${one.status}>
-      <span class="what">${named(one.words)}</span>
+      <span class="what">${namedAmong(one.words, views)}</span>
       <span class="where">${standing(one)}</span>
       <small>you · ${clock(one.at)}</small>
     </li>
   `;
 }
 
-function Line({ view, gone, now }) {
+function Line({ view, views, gone, now }) {
   const { correction, status } = view;
   const back = gone.has(correction.id);
   const who = correction.author === author() ? "you" : correction.author;
@@ -47,9 +47,10 @@ function Line({ view, gone, now }) {
   const learned = view.learned_in && (lost ? "lost" : "learned");
   const stands = over(view, now) ? "over" : status.replace(" ", "-");
   const mark = back ? "taken" : (learned ?? stands);
+  const what = namedAmong(correction, views);
   return html`
     <li class=${mark}>
-      <span class="what">${back ? html`<s>${named(correction)}</s>` : named(correction)}</span>
+      <span class="what">${back ? html`<s>${what}</s>` : what}</span>
       <span class="where">${standing(view, words, now)}${back && " · taken back"}${fresh(view)}</span>
       <small>${who} · ${clock(correction.created_ns / 1e6)}</small>
       ${mine(view, gone) &&

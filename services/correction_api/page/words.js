@@ -21,6 +21,15 @@ export const called = (kind) => KINDS[kind] ?? kind;
 export const named = ({ kind, text, goal }) =>
   (text ?? goal?.text) ? `“${text ?? goal.text}”` : called(kind);
 
+const ABOUT = ["retract", "retime"]; // They have no words but those of what they are about.
+
+/** The same, with what it takes back or moves, which is one of `views`. */
+export function namedAmong(words, views) {
+  if (!ABOUT.includes(words.kind)) return named(words);
+  const meant = views.find(({ correction }) => correction.id === words.target);
+  return `${called(words.kind)}: ${meant ? named(meant.correction) : "something said before"}`;
+}
+
 /** What became of a correction: a text and a mark for the line that is read out. */
 export function outcome(view) {
   const what = `${named(view.correction)}, ${view.correction.robot}`;
@@ -30,7 +39,7 @@ export function outcome(view) {
 }
 
 /** Where a correction stands: pending, in force since a step or up to one, learned in a version;
- *  lesson: on which robot that is in force; now: see `term`. */
+ *  lesson: on which robot that is in force; now: see `term`, and the id of whoever reads as `me`. */
 export function standing(view, lesson = "", now = {}) {
   const { status, reason, learned_in, held_out, replaced_by } = view;
   switch (status) {
@@ -44,7 +53,7 @@ export function standing(view, lesson = "", now = {}) {
   }
   const force = status === "kept" ? "kept for the learner" : inForce(view, now);
   const learned = learned_in ? ` → learned in ${learned_in}${lesson}` : held_out ? " → held out as a test" : "";
-  return force + ended(replaced_by) + learned;
+  return force + ended(replaced_by, now.me) + learned;
 }
 
 const HOLDS = ["override", "pause"]; // All other kinds are over as soon as the robot heard them.
@@ -83,12 +92,14 @@ function inForce(view, now) {
   if (!HOLDS.includes(view.correction.kind)) return `heard at step ${step}`;
   const end = term(view, now);
   if (end === null) return `in force since step ${step}`;
-  return end === "over" ? `in force from step ${step}, until its episode ended` : `in force ${step}–${end}`;
+  if (end === "over") return `in force from step ${step}, until its episode ended`;
+  if (end > step) return `in force ${step}–${end}`;
+  return view.correction.kind === "pause" ? `stood still at step ${step}` : `in force at step ${step} only`;
 }
 
 /** Whose later word it was that holds instead. */
-const ended = (by) =>
-  by ? `, ${by.kind === "override" ? "replaced" : "lifted"} by ${by.author}` : "";
+const ended = (by, me) =>
+  by ? `, ${by.kind === "override" ? "replaced" : "lifted"} by ${by.author === me ? "you" : by.author}` : "";
 
 /** That somebody else's word holds instead of one's own: a text and a mark for the line. */
 export const overruled = (view) => [

@@ -48,6 +48,33 @@ def test_a_freeze_is_over_when_the_robot_carries_on_and_a_word_with_its_episode(
     expect(said(page).last).to_have_class("over")
 
 
+def test_what_one_said_oneself_is_by_you_and_what_is_taken_back_is_named(
+    page: Page, robot: FakeRobot
+) -> None:
+    page.keyboard.press("2")
+    expect(line(page)).to_contain_text("in force since step")
+    page.keyboard.press("3")
+    expect(said(page).nth(1)).to_contain_text("replaced by you")
+    page.keyboard.press("Control+z")
+    expect(said(page)).to_have_count(3)
+    expect(said(page).first).to_contain_text(f"taken back: “{COMMANDS[2]}”")
+    expect(said(page).nth(1)).to_contain_text("lifted by you · taken back")
+    assert [one.author for one in robot.heard] == ["person"] * 3
+
+
+def test_a_freeze_of_a_robot_that_moved_by_no_step_says_where_it_stood(
+    page: Page, api: httpx.Client, robot: FakeRobot
+) -> None:
+    robot.deaf = True  # Its steps stand still with it.
+    step = say(api, kind="pause", author="bea")
+    assert say(api, kind="resume", author="bea") == step
+    expect(said(page).nth(1)).to_contain_text(f"freezestood still at step {step}")
+    expect(said(page).nth(1)).to_have_class("over")
+    for text in COMMANDS[1:3]:
+        step = say(api, kind="override", text=text, author="bea")
+    expect(said(page).nth(1)).to_contain_text(f"in force at step {step} only, replaced by bea")
+
+
 def test_whoever_is_overruled_is_told_by_whom(page: Page, api: httpx.Client) -> None:
     page.get_by_label("You are").fill("Zoë Müller")
     page.keyboard.press("Tab")
