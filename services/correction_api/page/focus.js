@@ -5,6 +5,7 @@ import { callOf, others } from "./store.js";
 import { doing, doubt } from "./words.js";
 
 const SPANS = 8;
+const TOLD = 64; // So many commands of an episode the service tells, and no earlier ones.
 
 /** One for each robot: whoever goes to another one, from wherever on a small page, sees it. */
 export class Focus extends Component {
@@ -79,7 +80,7 @@ class Course extends Component {
     this.list.scrollLeft = this.list.scrollWidth;
   }
 
-  render({ robot: { course, step } }) {
+  render({ robot: { course, step, episode } }) {
     const spans = course.map((span, at) => ({ ...span, end: course[at + 1]?.step ?? step }));
     const before = Math.max(0, spans.length - SPANS);
     return html`
@@ -89,7 +90,13 @@ class Course extends Component {
         aria-label="Commands so far in this episode"
         ref=${(list) => (this.list = list)}
       >
-        ${before > 0 && html`<li class="before">${before} before</li>`}
+        ${before > 0 &&
+        episode &&
+        html`<li class="before">
+          <a href=${`episode.html?id=${episode}`} title="The whole episode, decision by decision">
+            ${before}${course.length < TOLD ? "" : " or more"} before
+          </a>
+        </li>`}
         ${spans.slice(before).map((span) => html`<${Span} key=${span.step} ...${span} />`)}
       </ol>
     `;

@@ -22,6 +22,7 @@ from tests.integration.correction_api.browsing import (
 )
 from tests.integration.correction_api.fakes import COMMANDS, FLEET, FakeLearner, FakeRobot
 from tests.integration.correction_api.running import eventually, running
+from tests.integration.correction_api.visiting import visited
 
 
 def watched(router: MemoryRouter, robot: str) -> dict[str, bool]:
@@ -207,6 +208,28 @@ def test_for_how_long_a_robot_is_offline_counts_on_while_nothing_is_heard_of_it(
                 {"presence": "offline", "age_s": 190.0},
             )
             assert told == "offline for 3 min"
+
+
+def test_what_is_too_early_for_the_strip_is_in_the_player(
+    browser: Browser, api: httpx.Client, robot: FakeRobot
+) -> None:
+    def course() -> int:
+        return len(api.get("api/v1/robots/robot-1").json()["course"])
+
+    for number in range(1, 11):
+        robot.command = COMMANDS[number % 2]
+        robot.beat()
+        eventually(lambda number=number: course() == number + 1)
+    with visited(browser, str(api.base_url)) as page:
+        page.get_by_role("link", name="3 before", exact=True).click()
+        expect(page).to_have_url(re.compile(f"/episode.html\\?id={robot.episode}$"))
+        expect(page.get_by_role("heading", name="An episode that is not over yet")).to_be_visible()
+        page.go_back()
+        for number in range(11, 64):
+            robot.command = COMMANDS[number % 2]
+            robot.beat()
+            eventually(lambda number=number: course() == number + 1)
+        expect(page.get_by_role("link", name="56 or more before", exact=True)).to_be_visible()
 
 
 def test_a_correction_goes_from_in_force_to_learned_and_stays_so_after_a_rollback(
