@@ -57,9 +57,9 @@ function Proposal({ text, at, score, best, inForce }) {
       onClick=${ACTIONS[action].down}
     >
       <kbd aria-hidden="true">${shown(keyOf(action))}</kbd>
-      <span>${text ?? "—"}</span>
+      <span>${text ?? "no proposal"}</span>
       ${inForce && html`<small>in force</small>`}
-      <data value=${score}>${percent(score)}</data>
+      ${text !== null && html`<data value=${score}>${percent(score)}</data>`}
     </button>
   `;
 }

@@ -39,6 +39,7 @@ OFFERED = """
 buttons => buttons.map(({ firstElementChild: key, classList }) =>
   classList.contains("in-force") ? "" : key.nextElementSibling.textContent)
 """
+NOTHING = ("", "no proposal")  # what OFFERED says of a place that offers none
 DRAWN = "() => new Promise(requestAnimationFrame)"
 TAKEN_WITHIN_S = 150.0
 
@@ -113,7 +114,7 @@ def take_proposal(
 
     def attempt() -> str | None:
         offered = page.locator(".proposal").evaluate_all(OFFERED)
-        fitting = (at for at, text in enumerate(offered) if text not in ("", "—") and fits(text))
+        fitting = (at for at, text in enumerate(offered) if text not in NOTHING and fits(text))
         at = next(fitting, None)
         if at is None:
             return None

@@ -124,6 +124,9 @@ def test_proposals_that_the_robot_could_not_do_get_no_key(
     with opened(browser, api) as page:
         expect(page.locator(".proposal span", has_text=COMMANDS[1])).to_be_visible()
         expect(page.locator(".proposal span", has_text="dance")).to_have_count(0)
-        assert sorted(set(shown(page)) - {"—"}) == sorted(
+        free = page.get_by_role("button", name="no proposal", exact=True)
+        expect(free).to_have_count(2)
+        expect(free.first).to_have_text("1no proposal")
+        assert sorted(set(shown(page)) - {"no proposal"}) == sorted(
             (COMMANDS[1], "grab the yellow slice", COMMANDS[2])
         )
