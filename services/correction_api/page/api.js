@@ -1,11 +1,9 @@
 // HTTP: everything below api/v1, relative to the page, so that it works below a path prefix.
-const BASE = new URL("api/v1/", document.baseURI);
-const TOKEN = "hld-token";
+import { borrow, spoil, token } from "./token.js";
 
-export const token = {
-  get: () => sessionStorage.getItem(TOKEN),
-  set: (value) => sessionStorage.setItem(TOKEN, value),
-};
+export { token } from "./token.js";
+
+const BASE = new URL("api/v1/", document.baseURI);
 
 let refused = () => {};
 
@@ -38,16 +36,22 @@ export const post = (path, body, withinMs = PATIENCE_MS) =>
 export const postSound = (path, type, sound) =>
   call("POST", path, sound, { type, withinMs: 4 * PATIENCE_MS });
 
-async function call(method, path, body, { type = "application/json", withinMs = PATIENCE_MS } = {}) {
+async function call(method, path, body, options = {}) {
+  const { type = "application/json", withinMs = PATIENCE_MS } = options;
   const headers = body ? { "Content-Type": type } : {};
-  if (token.get()) headers.Authorization = `Bearer ${token.get()}`;
+  const sent = token.get();
+  if (sent) headers.Authorization = `Bearer ${sent}`;
   const answer = await fetch(new URL(path, BASE), {
     method,
     headers,
     body,
     signal: AbortSignal.timeout(withinMs),
   });
-  if (answer.status === 401) refused();
+  if (answer.status === 401) {
+    if (token.get() !== sent || (await borrow())) return call(method, path, body, options);
+    spoil();
+    refused();
+  }
   const content = answer.status === 204 ? null : await answer.json();
   if (!answer.ok) throw new Problem(answer.status, content.detail);
   return content;

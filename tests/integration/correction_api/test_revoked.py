@@ -1,6 +1,6 @@
 """Whose token is no longer good is told so, on every page, and goes on with a new one."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -116,6 +116,86 @@ def test_a_service_that_was_started_again_and_still_knows_the_token_is_found_aga
         with service.started(people=WITHOUT_ANNA):
             expect(page.locator(".banner")).to_have_count(0)
             expect(page.locator(".proposal")).to_have_count(len(COMMANDS))
+
+
+@contextmanager
+def tabs(browser: Browser) -> Iterator[Callable[[str], Page]]:
+    """Opens tabs of one browser; the token stands in no address that they ask for."""
+    context = browser.new_context()
+    context.set_default_timeout(PATIENCE_MS)
+    asked = list[str]()
+
+    def opened(url: str) -> Page:
+        tab = context.new_page()
+        tab.on("request", lambda request: asked.append(request.url))
+        tab.goto(url)
+        return tab
+
+    yield opened
+    assert asked
+    assert [url for url in asked if ANNA in url or BEN in url] == []
+    assert context.cookies() == []
+    assert not any(ANNA in text or BEN in text for text in _kept(context.pages))
+    context.close()
+
+
+def _kept(pages: list[Page]) -> list[str]:
+    """What outlives the tabs."""
+    return [page.evaluate("JSON.stringify(localStorage)") for page in pages]
+
+
+def let_in(page: Page, name: str) -> None:
+    """The page is; where the machine is too busy for others to answer in time, it asks again."""
+
+    def known() -> bool:
+        expect(page.locator("input[name=token], input[name=author]")).to_be_visible()
+        if page.locator("input[name=token]").count():
+            page.reload()
+            return False
+        return True
+
+    eventually(known)
+    expect(page.get_by_label("You are")).to_have_value(name)
+
+
+def test_a_new_tab_is_let_in_by_an_open_one_and_none_by_a_browser_that_was_closed(
+    browser: Browser, service: Service, robot: FakeRobot
+) -> None:
+    with service.started(people=PEOPLE), tabs(browser) as tab:
+        first = tab(service.url)
+        unlock(first, ANNA)
+        expect(first.locator(".proposal")).to_have_count(len(COMMANDS))
+        second = tab(service.url)
+        let_in(second, "anna")
+        expect(second.locator(".proposal")).to_have_count(len(COMMANDS))
+        second.keyboard.press("Escape")
+        eventually(lambda: robot.heard)
+        first.close()
+        third = tab(f"{service.url}episodes.html")
+        let_in(third, "anna")
+        second.close()
+        third.close()
+        fourth = tab(service.url)
+        expect(fourth.get_by_label("Token of this service")).to_be_visible()
+    assert [said.author for said in robot.heard] == ["anna"]
+
+
+def test_a_new_tab_takes_no_token_that_was_refused_and_none_of_two(
+    browser: Browser, service: Service
+) -> None:
+    wanted = "Whoever steers robots here needs a token."
+    with service.started(people=PEOPLE), tabs(browser) as tab:
+        anna = tab(service.url)
+        unlock(anna, ANNA)
+        expect(anna.get_by_label("You are")).to_have_value("anna")
+        wrong = tab(service.url)
+        wrong.evaluate("sessionStorage.setItem('hld-token', 'x'.repeat(24))")
+        wrong.reload()
+        expect(wrong.get_by_role("alert")).to_contain_text(REFUSED)
+        let_in(tab(service.url), "anna")
+        unlock(wrong, BEN)
+        expect(wrong.get_by_label("You are")).to_have_value("ben")
+        expect(tab(service.url).get_by_role("alert")).to_have_text(wanted)
 
 
 @pytest.mark.parametrize("name", ["episodes.html", "progress.html"])
