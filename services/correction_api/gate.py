@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from urllib.parse import urlsplit
 
 from starlette.datastructures import Headers, MutableHeaders
+from starlette.responses import RedirectResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from services.correction_api.config import ApiSettings, is_loopback
@@ -49,14 +50,21 @@ class Gate:
         except Problem as problem:
             await problem.response(scope["path"])(scope, receive, _marked(send))
             return
-        await self._app(scope, _limited(receive, self._limit(scope)), _marked(send))
+        app = _to_folder if self._bare(scope) else self._app
+        await app(scope, _limited(receive, self._limit(scope)), _marked(send))
 
     def _placed(self, scope: Scope) -> Scope:
         """The scope below the path prefix, whether a proxy took it off or left it."""
         prefix, path = self._settings.prefix, scope["path"]
-        if prefix and not path.startswith(f"{prefix}/"):
+        if prefix and path != prefix and not path.startswith(f"{prefix}/"):
             path = prefix + path
         return {**scope, "root_path": prefix, "path": path}
+
+    def _bare(self, scope: Scope) -> bool:
+        """A page is asked for by the prefix alone: relative links would lead past it."""
+        prefix = self._settings.prefix
+        page = scope["type"] == "http" and scope["method"] in ("GET", "HEAD")
+        return bool(prefix) and page and scope["path"] == prefix
 
     def _check(self, scope: Scope) -> str | None:
         """Whose token it has, where tokens have names."""
@@ -109,6 +117,13 @@ class Gate:
                 headers={"WWW-Authenticate": "Bearer"},
             )
         return holder.name
+
+
+async def _to_folder(scope: Scope, receive: Receive, send: Send) -> None:
+    """Send whoever asks for a folder without its slash there, by whatever name they came."""
+    query = scope["query_string"].decode("latin-1")
+    url = f"{scope['path']}/{'?' if query else ''}{query}"
+    await RedirectResponse(url)(scope, receive, send)
 
 
 def _guarded(path: str) -> bool:

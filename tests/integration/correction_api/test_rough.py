@@ -97,6 +97,14 @@ def test_all_pages_work_below_a_path_prefix_and_ask_nobody_else(
         assert [link for link in links if not link.startswith(prefixed)] == []
 
 
+def test_the_path_prefix_without_a_slash_leads_to_the_page(browser: Browser, prefixed: str) -> None:
+    page = browser.new_page()
+    page.goto(prefixed.rstrip("/"))
+    expect(page).to_have_url(prefixed)
+    expect(page.locator(".proposal").first).to_be_visible()
+    page.close()
+
+
 @pytest.mark.parametrize("name", ["", "docs", *PAGES])
 def test_a_page_that_wanted_to_ask_somebody_else_could_not(
     browser: Browser, prefixed: str, name: str

@@ -76,6 +76,20 @@ def test_the_api_is_behind_the_token_and_the_page_before_it(path: str, guarded: 
     assert _ask(settings, path=path, headers=good).status_code == 200
 
 
+def test_the_prefix_without_its_slash_leads_to_the_page_under_the_name_it_was_called_by() -> None:
+    settings = ApiSettings.model_validate({"prefix": "/cell/7", "token": TOKEN})
+    for method in ("GET", "HEAD"):
+        answer = _ask(settings, method, "/cell/7", params={"robot": "a b"})
+        assert (answer.status_code, answer.headers["Location"]) == (307, "/cell/7/?robot=a+b")
+    assert _ask(settings, path="/cell/7/").text == "passed"
+    assert _ask(settings, path="/cell").text == "passed"  # Its proxy has taken the prefix off.
+    assert _ask(settings, "POST", "/cell/7").text == "passed"
+    assert _ask(ApiSettings(), path="").text == "passed"
+    evil = {"Host": "evil.example"}
+    without = ApiSettings(prefix="/cell/7")
+    assert _ask(without, path="/cell/7", headers=evil).status_code == 403
+
+
 @pytest.mark.parametrize("length", [str(MAX_BODY_BYTES + 1), "-1", "many"])
 def test_a_body_that_says_it_is_too_large_is_not_read(length: str) -> None:
     assert _ask(ApiSettings(), "POST", headers={"Content-Length": length}).status_code == 413
