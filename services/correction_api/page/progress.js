@@ -38,8 +38,9 @@ function view() {
       <//>`}
       ${policy && html`<${Brought} rounds=${policy.rounds} />`}
       ${state.versions.length
-        ? html`<${Success} /><${Effort} /><${Table} />`
+        ? html`<${Success} /><${Effort} />`
         : state.loaded && html`<p class="lead wide">No version has done anything yet.</p>`}
+      ${rows().length > 0 && html`<${Table} />`}
       ${policy &&
       html`<${Decide} policy=${policy} done=${load} />
         <${Rounds} ...${policy} />
@@ -130,6 +131,18 @@ function Effort() {
 const inForce = (number) =>
   state.policy?.versions.some((one) => one.in_force && one.number === number);
 
+/** The versions that did something, and what is in force, which may have done nothing yet. */
+function rows() {
+  const known = new Set(state.versions.map(({ number }) => number));
+  const fresh = (state.policy?.versions ?? []).filter(
+    (one) => one.in_force && !known.has(one.number),
+  );
+  const nothing = { also: [], alone: null, service: null, corrections: 0, human_s: 0 };
+  return [...state.versions, ...fresh.map((one) => ({ ...one, ...nothing }))].sort(
+    (one, other) => one.number - other.number,
+  );
+}
+
 function Table() {
   return html`
     <section class="panel wide" aria-label="Figures by version">
@@ -147,7 +160,7 @@ function Table() {
             </tr>
           </thead>
           <tbody>
-            ${state.versions.map(
+            ${rows().map(
               (one) => html`
                 <tr key=${one.version} data-version=${one.version}>
                   <th scope="row">

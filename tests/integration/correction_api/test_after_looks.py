@@ -185,6 +185,26 @@ def test_progress_says_which_option_measures_success(browser: Browser, world: Wo
         expect(brought).to_contain_text("gate.trials.episodes")
 
 
+def test_a_version_in_force_that_has_done_nothing_yet_is_in_the_table(
+    browser: Browser, world: World
+) -> None:
+    with opened(browser, world.api, DESK, "progress.html") as page:
+        rows = page.locator("tr[data-version]")
+        expect(rows).to_have_count(2)
+        expect(rows.first).to_contain_text("1.0")
+        expect(rows.last).to_have_text("1.1 in forcenot evaluatedno episode yet0–0.0")
+
+
+def test_before_the_first_episode_the_table_has_the_version_in_force(
+    browser: Browser, tmp_path: Path
+) -> None:
+    with kept(tmp_path) as (api, _), opened(browser, api, DESK, "progress.html") as page:
+        expect(page.get_by_text("No version has done anything yet.")).to_be_visible()
+        expect(page.locator("tr[data-version]")).to_have_text(
+            "1.1 in forcenot evaluatedno episode yet0–0.0"
+        )
+
+
 PAINTED = """
 () => {
   return [...document.querySelectorAll(".curves canvas")].map(canvas => {
@@ -207,7 +227,7 @@ def test_one_version_is_drawn_with_its_interval_and_the_seconds_of_people(
 ) -> None:
     with opened(browser, world.api, DESK, "progress.html") as page:
         expect(page.locator(".curves canvas")).to_have_count(2)
-        expect(page.locator("tr[data-version]")).to_have_count(1)
+        expect(page.locator("tr[data-version='1.0']")).to_have_count(1)
         success, effort = page.evaluate(PAINTED)
         assert success["person"] > 200  # The interval of a single try: a long line.
         assert effort["warn"] > 20
