@@ -53,7 +53,7 @@ def test_the_later_word_holds_and_both_see_whose_it_is(browser: Browser, guarded
         expect(said(ben).first).to_contain_text("“pick up the cheese”")
         expect(said(ben).first).to_contain_text("anna")
         say(ben, "wait")
-        for page in (anna, ben):
+        for page, whom in ((anna, "ben"), (ben, "you")):
             expect(page.locator(".caption q")).to_have_text("wait")
             expect(page.locator(".who")).to_have_text("told by ben")
-            expect(said(page).nth(1)).to_contain_text("replaced by ben")
+            expect(said(page).nth(1)).to_contain_text(f"replaced by {whom}")
