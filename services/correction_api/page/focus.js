@@ -10,7 +10,7 @@ const TOLD = 64; // So many commands of an episode the service tells, and no ear
 /** One for each robot: whoever goes to another one, from wherever on a small page, sees it. */
 export class Focus extends Component {
   componentDidMount() {
-    this.section.scrollIntoView({ block: "nearest" });
+    this.section.firstElementChild.scrollIntoView({ block: "nearest" }); // It may have no box itself.
   }
 
   render({ robot, turn }) {
@@ -24,12 +24,14 @@ export class Focus extends Component {
         ref=${(section) => (this.section = section)}
       >
         <${Title} robot=${robot} />
-        <div class="pictures">
-          <${Picture} key=${`${name}/angle`} robot=${name} camera="angle" rate="full" turn=${turn} />
-          <${Picture} key=${`${name}/top`} robot=${name} camera="top" rate="full" turn=${turn} />
-          ${state === "paused" && html`<p class="stopped">Frozen</p>`}
+        <div class="sight">
+          <div class="pictures">
+            <${Picture} key=${`${name}/angle`} robot=${name} camera="angle" rate="full" turn=${turn} />
+            <${Picture} key=${`${name}/top`} robot=${name} camera="top" rate="full" turn=${turn} />
+            ${state === "paused" && html`<p class="stopped">Frozen</p>`}
+          </div>
+          <${Caption} robot=${robot} />
         </div>
-        <${Caption} robot=${robot} />
         <${Course} robot=${robot} />
       </section>
     `;

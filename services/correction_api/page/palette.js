@@ -150,6 +150,7 @@ export class Palette extends Component {
     const { robot } = this.props.robot;
     const { text, begun } = this.state;
     this.setState({ open: true, at: text ? 0 : -1, begun: text ? begun : Date.now() });
+    field?.form.scrollIntoView({ block: "start" }); // Its list needs the room below.
     try {
       const { commands } = await get(`robots/${robot}/commands`);
       if (this.props.robot.robot === robot) this.setState({ known: commands });

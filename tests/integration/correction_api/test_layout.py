@@ -43,6 +43,14 @@ CROOKED = """
 }).map(element => element.outerHTML)
 """
 """Whose text doesn't fit, or runs out of its button."""
+UNCOVERED = """
+element => {
+  const { left, top, right, bottom } = element.getBoundingClientRect();
+  const lies = (x, y) => element.contains(document.elementFromPoint(x, y));
+  return [left + 9, right - 9].every(x => lies(x, top + 3) && lies(x, bottom - 3));
+}
+"""
+"""Whether an element is in the window and nothing lies over it."""
 
 
 @pytest.fixture(scope="module")
@@ -131,7 +139,8 @@ def test_on_a_phone_the_stops_and_the_robots_name_stay_while_one_scrolls_to_what
 ) -> None:
     with desk(browser, crowd, PHONE, mute) as page:
         always = [".freeze-all", ".verdicts .freeze", ".verdicts .whom", ".line"]
-        for wanted in (page.locator(".focus"), page.locator(".proposal").nth(8), said(page).nth(2)):
+        last_proposal = page.locator(".proposal").nth(8)
+        for wanted in (page.locator(".focus .title"), last_proposal, said(page).nth(2)):
             wanted.scroll_into_view_if_needed()
             assert [page.locator(one).evaluate_all(WITHIN) for one in always] == [1] * 4
         assert page.locator(".verdicts .whom").text_content() == "robot-1"
@@ -142,6 +151,31 @@ def test_on_a_phone_the_stops_and_the_robots_name_stay_while_one_scrolls_to_what
         assert last["y"] + last["height"] <= bar["y"]
         assert said(page).evaluate_all(WITHIN) >= 3
         assert page.evaluate("document.documentElement.scrollWidth") <= PHONE[0]
+
+
+@pytest.mark.parametrize("height", [PHONE[1], 664, 568], ids=["tall", "with bars", "small"])
+def test_on_a_phone_one_sees_the_robot_and_both_stops_while_one_chooses(
+    browser: Browser, crowd: httpx.Client, height: int
+) -> None:
+    with desk(browser, crowd, (PHONE[0], height)) as page:
+        seen = [".pictures", ".caption", ".freeze-all", ".verdicts .freeze"]
+        page.locator(".pictures canvas.angle.drawn").wait_for()
+        for choice in page.locator(".proposal").all():
+            choice.scroll_into_view_if_needed()
+            assert choice.evaluate(UNCOVERED)
+            assert [page.locator(one).evaluate(UNCOVERED) for one in seen] == [True] * 4
+
+
+def test_on_a_phone_one_sees_the_robot_and_all_that_fits_while_one_types(
+    browser: Browser, crowd: httpx.Client
+) -> None:
+    with desk(browser, crowd, PHONE) as page:
+        page.locator("input[name=words]").tap()
+        page.keyboard.type("pick")
+        expect(page.locator("[role=option]").last).to_contain_text("nearest known")
+        for option in page.locator("[role=option]").all():
+            assert option.evaluate(UNCOVERED)
+        assert page.locator(".pictures").evaluate(UNCOVERED)
 
 
 @pytest.mark.parametrize("size", [DESK, (1280, 800), TABLET, PHONE])
@@ -159,7 +193,7 @@ def test_on_a_phone_one_sees_the_robot_that_one_goes_to_and_its_newest_commands(
     browser: Browser, crowd: httpx.Client
 ) -> None:
     with desk(browser, crowd, PHONE) as page:
-        rail, focus = page.locator(".rail").bounding_box(), page.locator(".focus").bounding_box()
+        rail, focus = page.locator(".rail").bounding_box(), page.locator(".title").bounding_box()
         assert rail
         assert focus
         assert rail["y"] + rail["height"] <= focus["y"]
