@@ -29,7 +29,7 @@ FLAGS = [
     "--no-first-run",
 ]
 PATIENCE_MS = 30_000  # Far more than is needed, for machines that are busy.
-DESK, TABLET, PHONE = (1440, 900), (1024, 768), (390, 844)
+DESK, TABLET, PHONE, SIDEWAYS = (1440, 900), (1024, 768), (390, 844), (844, 390)
 
 ANSWERED = re.compile(r"^“(.+)”, \S+: (?:in force since step \d|refused, since )")
 """What a robot answers to a proposal: a real one may propose what can't be done."""

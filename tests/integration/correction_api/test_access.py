@@ -14,7 +14,7 @@ import pytest
 from playwright.sync_api import Browser, Locator, Page, expect
 
 from shared.wire.memory import MemoryBus, MemoryRouter
-from tests.integration.correction_api.browsing import DESK, PHONE, line, take_proposal
+from tests.integration.correction_api.browsing import DESK, PHONE, SIDEWAYS, line, take_proposal
 from tests.integration.correction_api.fakes import FakeRobot
 from tests.integration.correction_api.processes import Cell
 from tests.integration.correction_api.running import eventually, running
@@ -26,7 +26,7 @@ PAGES = sorted(
     for entry in files("services.correction_api.page").iterdir()
     if entry.name.endswith(".html") and entry.name != "index.html"
 )
-SIZES = {"desk": (DESK, {}), "phone": (PHONE, FINGERS)}
+SIZES = {"desk": (DESK, {}), "phone": (PHONE, FINGERS), "sideways": (SIDEWAYS, FINGERS)}
 LIVE_REGIONS = "[aria-live]:not([aria-live=off]), [role=status], [role=alert], [role=log], output"
 TARGET_PX = 44
 DRAWN_WITHIN_MS = 150_000  # The process that draws starts now, and others go first.

@@ -14,6 +14,7 @@ from shared.wire.memory import MemoryBus, MemoryRouter
 from tests.integration.correction_api.browsing import (
     DESK,
     PHONE,
+    SIDEWAYS,
     TABLET,
     focused,
     line,
@@ -178,7 +179,25 @@ def test_on_a_phone_one_sees_the_robot_and_all_that_fits_while_one_types(
         assert page.locator(".pictures").evaluate(UNCOVERED)
 
 
-@pytest.mark.parametrize("size", [DESK, (1280, 800), TABLET, PHONE])
+@pytest.mark.parametrize("size", [SIDEWAYS, (667, 375)])
+def test_a_phone_held_sideways_shows_the_robot_what_one_can_say_and_both_stops_at_once(
+    browser: Browser, crowd: httpx.Client, size: tuple[int, int]
+) -> None:
+    with desk(browser, crowd, size) as page:
+        seen = [".title h2", ".prompt", ".pictures", ".caption"]
+        seen += [".freeze-all", ".verdicts .freeze", "[data-tile=robot-2]"]
+        page.locator(".pictures canvas.angle.drawn").wait_for()
+        for choice in page.locator(".proposal").all()[:4]:
+            assert choice.evaluate(UNCOVERED)
+        for wanted in (page.locator(".proposal").nth(8), said(page).last):
+            wanted.scroll_into_view_if_needed()
+            assert [page.locator(one).evaluate(UNCOVERED) for one in seen] == [True] * len(seen)
+            assert wanted.evaluate(UNCOVERED)
+        assert page.evaluate("document.documentElement.scrollWidth") <= size[0]
+        assert page.evaluate("document.documentElement.scrollHeight") <= size[1]
+
+
+@pytest.mark.parametrize("size", [DESK, (1280, 800), TABLET, PHONE, SIDEWAYS])
 def test_no_text_runs_out_of_its_button(
     browser: Browser, crowd: httpx.Client, size: tuple[int, int]
 ) -> None:
