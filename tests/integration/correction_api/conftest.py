@@ -9,6 +9,7 @@ from playwright.sync_api import Browser, Page, expect
 
 from shared.wire.memory import MemoryBus, MemoryRouter
 from tests.integration.correction_api.browsing import launched, opened
+from tests.integration.correction_api.crowded import crowded
 from tests.integration.correction_api.fakes import COMMANDS, FakeLearner, FakeRobot
 from tests.integration.correction_api.keeper import kept
 from tests.integration.correction_api.processes import Cell
@@ -74,6 +75,13 @@ def page(browser: Browser, api: httpx.Client, robot: FakeRobot) -> Iterator[Page
     with opened(browser, api) as page:
         expect(page.locator(".proposal")).to_have_count(len(COMMANDS))
         yield page
+
+
+@pytest.fixture(scope="module")
+def crowd(tmp_path_factory: pytest.TempPathFactory) -> Iterator[httpx.Client]:
+    """An API that has heard of three robots with much to say, for all tests of a file."""
+    with crowded(tmp_path_factory.mktemp("api")) as client:
+        yield client
 
 
 @pytest.fixture(scope="module")
