@@ -8,7 +8,9 @@ import { state } from "./store.js";
 import { count } from "./words.js";
 
 export function Overview() {
-  const told = html`<${Learner} learner=${state.learner} /><${Tally} tally=${state.tally} />`;
+  const told = html`
+    <div class="told"><${Learner} learner=${state.learner} /><${Tally} tally=${state.tally} /></div>
+  `;
   const keys = html`
     <button class="help" onClick=${toggleHelp} aria-keyshortcuts=${aria("help")}>
       Keys<kbd aria-hidden="true">${shown(keyOf("help"))}</kbd>
@@ -36,10 +38,9 @@ function Learner({ learner }) {
     <p class="learner" title=${learner.reason}>
       <span class=${`doing ${does}`}>learner ${does}</span>
       ${works && html`<progress max="1" value=${learner.progress} aria-label=${does} />`}
-      <span class="facts">
-        version <b>${learner.version}</b> · ${count(learner.corrections, "correction")} since
-        ${learner.outbox > 0 && ` · ${learner.outbox} wait`}
-      </span>
+      <span class="facts">version <b>${learner.version}</b></span>
+      <span class="facts">· ${count(learner.corrections, "correction")} since</span>
+      ${learner.outbox > 0 && html`<span class="facts">· ${learner.outbox} wait</span>`}
     </p>
   `;
 }
@@ -57,20 +58,23 @@ function named(tally) {
   return [...known.values()];
 }
 
+/** Of the episodes in which people could speak, the newest version first: it is shown where there is
+ *  room for one alone. */
 function Tally({ tally }) {
   if (!tally.length) return null;
   return html`
-    <ul class="tally" aria-label="Success so far by version">
-      ${named(tally).slice(-2).map(({ version, episodes, successes }) => {
-        const rate = successes / episodes;
-        return html`
-          <li key=${version} title=${`${successes} of ${episodes} episodes`}>
-            <span>${version}</span>
-            <meter min="0" max="1" value=${rate} aria-label=${`success of ${version}`} />
-            <b>${Math.round(100 * rate)} %</b>
-          </li>
-        `;
-      })}
+    <ul class="tally" aria-label="Success with people so far, by version">
+      ${named(tally)
+        .slice(-2)
+        .reverse()
+        .map(
+          ({ version, episodes, successes }, at) => html`
+            <li key=${version} title=${`${successes} of ${episodes} episodes in service`}>
+              ${at === 0 ? "with people: " : "· "}${version}${" "}
+              <b>${Math.round((100 * successes) / episodes)} %</b>, n = ${episodes}
+            </li>
+          `,
+        )}
     </ul>
   `;
 }

@@ -7,6 +7,8 @@ from playwright.sync_api import Browser, expect
 from tests.integration.correction_api.browsing import DESK, PHONE, SIDEWAYS, TABLET, line, said
 from tests.integration.correction_api.crowded import WITHIN, desk
 
+UPRIGHT = (768, 1024)  # A tablet.
+
 CROOKED = """
 () => [...document.querySelectorAll("button, select, kbd")].filter(element => {
   const box = element.getBoundingClientRect();
@@ -16,6 +18,47 @@ CROOKED = """
 }).map(element => element.outerHTML)
 """
 """Whose text doesn't fit, or runs out of its button."""
+CROWD_HEAD = """
+async () => {
+  const { state, touch } = await import("./store.js");
+  const counted = [["1.11", 124, 31], ["1.12", 128, 91]];
+  const doubt = number => ({ robot: `robot-${number}`, reason: "entropy", doubt: 0.5, waits_s: 0 });
+  const told = {
+    learner: { presence: "online", state: "judging", progress: 0.4, version: "1.12",
+      corrections: 113, outbox: 3 },
+    tally: counted.map(([version, episodes, successes]) => ({ version, episodes, successes })),
+    help: { asking: [...Array(12).keys()].map(doubt), suppressed: 0 },
+  };
+  for (const [name, value] of Object.entries(told)) {
+    Object.defineProperty(state, name, { get: () => value, set: () => {} });
+  }
+  touch();
+}
+"""
+"""Twelve robots in doubt, a learner at work, many episodes, whatever comes from the service."""
+OVERLAPPING = """
+() => {
+  const parts = [".pages a", ".told", ".you button", ".you input", ".head h1 img"]
+    .flatMap(one => [...document.querySelectorAll(one)])
+    .map(element => ({ element, box: element.getBoundingClientRect() }));
+  const apart = ({ box: one }, { box: other }) =>
+    one.right <= other.left + 1 || other.right <= one.left + 1;
+  return parts
+    .filter(part => part.box.left < 0 || part.box.right > innerWidth ||
+      parts.some(other => other !== part && !apart(part, other)))
+    .map(({ element }) => element.outerHTML);
+}
+"""
+"""What of the head lies over another part of it, or out of the window."""
+TOLD = """
+parts => parts.map(part => {
+  const [box, line] = [part, part.parentElement].map(one => one.getBoundingClientRect());
+  if (!line.height || box.top >= line.bottom) return null;
+  const inside = box.left >= line.left && box.right <= line.right + 1 && box.bottom <= line.bottom;
+  return inside ? part.textContent.replace(/\\s+/g, " ").trim() : `cut: ${part.textContent}`;
+}).filter(text => text !== null)
+"""
+"""What parts of a line say that have room in it."""
 
 
 @pytest.mark.parametrize("mute", [False, True], ids=["talking", "mute"])
@@ -51,6 +94,27 @@ def test_a_long_refusal_covers_nothing_and_leaves_three_things_said(
         assert list_
         assert text["y"] + text["height"] <= list_["y"] + 1
         assert said(page).evaluate_all(WITHIN) >= 3
+
+
+@pytest.mark.parametrize("size", [(1920, 1080), DESK, (1280, 800), TABLET, UPRIGHT, SIDEWAYS])
+def test_nothing_of_the_head_is_cut_when_robots_are_in_doubt(
+    browser: Browser, crowd: httpx.Client, size: tuple[int, int]
+) -> None:
+    newest, before = "with people: 1.12 71 %, n = 128", "· 1.11 25 %, n = 124"
+    with desk(browser, crowd, size) as page:
+        page.evaluate(CROWD_HEAD)
+        expect(page.get_by_role("button", name="12 in doubt")).to_be_visible()
+        assert page.evaluate(OVERLAPPING) == []
+        assert page.evaluate("document.documentElement.scrollWidth") <= size[0]
+        learner = page.locator(".learner > *").evaluate_all(TOLD)
+        success = page.locator(".tally > li").evaluate_all(TOLD)
+        assert not [text for text in learner + success if text.startswith("cut")]
+        if size is TABLET:
+            assert learner[:1] == ["learner judging"]
+            assert success == [newest]
+        elif size[0] > TABLET[0]:
+            assert learner[:3] == ["learner judging", "", "version 1.12"]
+            assert success == [newest, before]
 
 
 @pytest.mark.parametrize("size", [(1920, 1080), DESK, (1280, 800), TABLET, SIDEWAYS, PHONE])
