@@ -75,7 +75,9 @@ def test_a_freeze_of_a_robot_that_moved_by_no_step_says_where_it_stood(
     expect(said(page).nth(1)).to_contain_text(f"in force at step {step} only, replaced by bea")
 
 
-def test_whoever_is_overruled_is_told_by_whom(page: Page, api: httpx.Client) -> None:
+def test_whoever_is_overruled_is_told_by_whom(
+    page: Page, api: httpx.Client, robot: FakeRobot
+) -> None:
     page.get_by_label("You are").fill("Zoë Müller")
     page.keyboard.press("Tab")
     page.locator(".proposal").nth(1).click()
@@ -83,6 +85,7 @@ def test_whoever_is_overruled_is_told_by_whom(page: Page, api: httpx.Client) -> 
     expect(said(page).first.locator("small")).to_contain_text("you")
     begin = api.get("api/v1/corrections").json()["corrections"][0]
     assert begin["correction"]["author"] == "zoe-muller"
+    eventually(lambda: robot.step > begin["receipt"]["step"])
     step = say(api, kind="override", text="wait", author="bob")
     told = f"in force {begin['receipt']['step']}–{step}, replaced by bob"
     expect(line(page)).to_have_text(f"“{COMMANDS[1]}”, robot-1: {told}")
