@@ -2,12 +2,12 @@
 import { html } from "./html.js";
 import { keyOf, shown } from "./keymap.js";
 import { Picture } from "./pictures.js";
-import { callOf, look, state } from "./store.js";
+import { author, callOf, look, state } from "./store.js";
 import { doing, doubt } from "./words.js";
 
 export function Rail({ robots, turn }) {
   if (robots.length < 2) return null;
-  const size = robots.length > 4 ? "many" : "few";
+  const size = robots.length > 8 ? "many crowd" : robots.length > 4 ? "many" : "few";
   return html`
     <section class=${`rail ${size}`} aria-label="All robots">
       ${robots.map(
@@ -38,13 +38,16 @@ function Tile({ robot, number, turn }) {
           <b>${name}</b>
           ${number < 10 && html`<kbd aria-hidden="true">${shown(keyOf("go"))} ${number}</kbd>`}
         </span>
-        <span class="command">
-          ${robot.by === "person" && html`<i aria-label="told">✎</i> `}${robot.command?.text ?? "no command"}
+        <span class="marks">
+          ${call && html`<span class="doing doubt">? ${doubt(call)}</span>`}
+          ${(!call || frozen) && html`<span class=${`doing ${mark}`}>${doing(robot)}</span>`}
+          ${robot.by === "person" && html`<i title=${`told by ${who(robot)}`}>✎ ${who(robot)}</i>`}
         </span>
-        <span class=${`doing ${call ? "doubt" : mark}`}>
-          ${call ? `? ${doubt(call)}${frozen && `, ${frozen}`}` : doing(robot)}
-        </span>
+        <span class="command">${robot.command?.text ?? "no command"}</span>
       </span>
     </button>
   `;
 }
+
+/** Whose word the robot carries out. */
+const who = (robot) => (robot.author === author() ? "you" : (robot.author ?? "a person"));

@@ -4,10 +4,22 @@ import httpx
 import pytest
 from playwright.sync_api import Browser, expect
 
-from tests.integration.correction_api.browsing import DESK, PHONE, SIDEWAYS, TABLET, line, said
+from shared.wire.memory import MemoryBus, MemoryRouter
+from tests.integration.correction_api.browsing import (
+    DESK,
+    PHONE,
+    SIDEWAYS,
+    TABLET,
+    line,
+    opened,
+    said,
+)
 from tests.integration.correction_api.crowded import WITHIN, desk
+from tests.integration.correction_api.fakes import COMMANDS, FakeRobot
+from tests.integration.correction_api.running import eventually
 
 UPRIGHT = (768, 1024)  # A tablet.
+LONG_NAME = "anna-magdalena-of-the-night-shift"
 
 CROOKED = """
 () => [...document.querySelectorAll("button, select, kbd")].filter(element => {
@@ -59,6 +71,21 @@ parts => parts.map(part => {
 }).filter(text => text !== null)
 """
 """What parts of a line say that have room in it."""
+MARKS = """
+tile => {
+  const around = tile.getBoundingClientRect();
+  const whole = part => {
+    const box = part.getBoundingClientRect();
+    const within = box.left >= around.left && box.right <= around.right &&
+      box.top >= around.top && box.bottom <= around.bottom;
+    const [x, y] = [box.left + box.width / 2, box.top + box.height / 2];
+    return within && part.contains(document.elementFromPoint(x, y));
+  };
+  return [...tile.querySelectorAll(".name b, .marks > *")]
+    .map(part => whole(part) ? part.textContent.trim() : `cut: ${part.textContent}`);
+}
+"""
+"""The name of a robot in its tile, and in what state it is."""
 
 
 @pytest.mark.parametrize("mute", [False, True], ids=["talking", "mute"])
@@ -133,7 +160,46 @@ def test_the_field_for_ones_name_says_what_it_is(
         assert told["x"] + told["width"] <= typed["x"] + typed["width"]
 
 
-@pytest.mark.parametrize("size", [DESK, (1280, 800), TABLET, PHONE, SIDEWAYS])
+def test_the_tiles_of_twelve_robots_say_in_what_state_each_is_at_any_size(
+    browser: Browser, api: httpx.Client, robot: FakeRobot, router: MemoryRouter
+) -> None:
+    told = {"kind": "override", "text": COMMANDS[2]}
+    with MemoryBus(router) as bus:
+        fleet = [robot, *(FakeRobot(bus, f"robot-{number}") for number in range(2, 13))]
+        eventually(lambda: len(api.get("api/v1/robots").json()["robots"]) == len(fleet))
+        for one in fleet:
+            one.decide()
+        for number, author in ((2, "anna"), (5, LONG_NAME), (6, "anna")):
+            route = f"api/v1/robots/robot-{number}/corrections"
+            api.post(route, json=told | {"author": author}).raise_for_status()
+        for number in (4, 5, 6):
+            route = f"api/v1/robots/robot-{number}/corrections"
+            api.post(route, json={"kind": "pause", "author": "bert"}).raise_for_status()
+        for number in (3, 5, 12):
+            fleet[number - 1].ask(doubt=0.5)
+        marks = {
+            "robot-1": ["acting"],
+            "robot-2": ["acting", "✎ anna"],
+            "robot-3": ["? in doubt 50 %"],
+            "robot-4": ["frozen"],
+            "robot-5": ["? in doubt 50 %", "frozen", f"✎ {LONG_NAME}"],
+            "robot-6": ["frozen", "✎ anna"],
+            "robot-12": ["? in doubt 50 %"],
+        }
+        for size in (DESK, (1280, 800), TABLET, UPRIGHT, PHONE, SIDEWAYS):
+            with opened(browser, api, size, has_touch=size is PHONE) as page:
+                expect(page.locator(".tile")).to_have_count(len(fleet))
+                expect(page.locator(".tile .doubt")).to_have_count(3)
+                expect(page.locator(".tile.frozen")).to_have_count(3)
+                for name, states in marks.items():
+                    tile = page.locator(f"[data-tile={name}]")
+                    tile.scroll_into_view_if_needed()
+                    assert tile.evaluate(MARKS) == [name, *states], size
+        for one in fleet[1:]:
+            one.close()
+
+
+@pytest.mark.parametrize("size", [DESK, (1280, 800), TABLET, UPRIGHT, PHONE, SIDEWAYS])
 def test_no_text_runs_out_of_its_button(
     browser: Browser, crowd: httpx.Client, size: tuple[int, int]
 ) -> None:
