@@ -1,7 +1,7 @@
 # make setup   virtual environment in .venv with everything pinned; done once
 # make demo    the whole loop on this machine; ORACLE=1 lets the scripted person correct
 # make bench-page  what it costs eight robots that somebody looks; prints figures
-# make screenshots  the pictures of the README, of a `make demo` that runs beside it
+# make screenshots  the pictures of the README, of a `make demo` that runs beside it; other sizes in runs/screenshots
 # make test    all checks and tests; what CI runs
 .PHONY: setup demo test bench-page screenshots lint pretrain clean
 

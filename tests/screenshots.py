@@ -1,4 +1,5 @@
-"""The pictures of the README, of a service that runs beside it.
+"""The pictures of the README, of a service that runs beside it, and the same pages at other sizes,
+for whoever changes how they look.
 
 `player` and `progress` while `hld up --oracle --rounds 3 --episodes 12 --evaluate 10` is in its
 third round, `live` while `hld up` goes on with the same data in real time.
@@ -12,10 +13,19 @@ import httpx
 import typer
 from playwright.sync_api import Page, expect
 
-from tests.integration.correction_api.browsing import DESK, launched, take_proposal
+from tests.integration.correction_api.browsing import (
+    DESK,
+    PHONE,
+    SIDEWAYS,
+    TABLET,
+    launched,
+    take_proposal,
+)
 
 EPISODES = "api/v1/episodes?corrected=true&success=true&task=sandwich&version=1.0&limit=1"
 EPISODE_MS = 120_000
+BESIDE = Path("runs/screenshots")
+FRAMES = "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
 
 
 def live(page: Page) -> None:
@@ -41,18 +51,29 @@ def progress(page: Page) -> None:
     expect(page.locator(".curves canvas")).to_have_count(2)
 
 
+def shoot(page: Page, name: str, out: Path, beside: Path) -> None:
+    """Write out/NAME.jpg as on a desk, and beside/NAME-WIDTHxHEIGHT.jpg at three other sizes."""
+    wanted = {DESK: out / f"{name}.jpg"}
+    for width, height in (TABLET, PHONE, SIDEWAYS):
+        wanted[width, height] = beside / f"{name}-{width}x{height}.jpg"
+    for (width, height), path in wanted.items():
+        page.set_viewport_size({"width": width, "height": height})
+        page.wait_for_load_state("networkidle")
+        page.evaluate(FRAMES)
+        page.screenshot(path=path, type="jpeg", quality=76)
+
+
 def main(
     names: Annotated[list[str], typer.Argument(help="live, player or progress")],
     url: Annotated[str, typer.Option(help="where the page is")] = "http://127.0.0.1:8000/",
     out: Annotated[Path, typer.Option(help="folder of the pictures")] = Path("docs"),
+    beside: Annotated[Path, typer.Option(help="folder of the other sizes")] = BESIDE,
 ) -> None:
-    """Write docs/NAME.jpg for each of them."""
-    (episode,) = httpx.get(f"{url}{EPISODES}").raise_for_status().json()["episodes"]
-    pages = {
-        "live": ("", live),
-        "player": (f"episode.html?id={episode['id']}", player),
-        "progress": ("progress.html", progress),
-    }
+    """Write docs/NAME.jpg for each of them, and runs/screenshots/NAME-WIDTHxHEIGHT.jpg."""
+    pages = {"live": ("", live), "progress": ("progress.html", progress)}
+    if "player" in names:
+        (episode,) = httpx.get(f"{url}{EPISODES}").raise_for_status().json()["episodes"]
+        pages["player"] = (f"episode.html?id={episode['id']}", player)
     with launched() as browser:
         for name in names:
             path, bring = pages[name]
@@ -61,8 +82,7 @@ def main(
             )
             page.goto(url + path)
             bring(page)
-            page.wait_for_load_state("networkidle")
-            page.screenshot(path=out / f"{name}.jpg", type="jpeg", quality=76)
+            shoot(page, name, out, beside)
             page.close()
 
 

@@ -1,8 +1,11 @@
 """What a person sees of the live page without looking for it, at a desk."""
 
+from pathlib import Path
+
 import httpx
 import pytest
 from playwright.sync_api import Browser, expect
+from simplejpeg import decode_jpeg_header
 
 from shared.wire.memory import MemoryBus, MemoryRouter
 from tests.integration.correction_api.browsing import (
@@ -17,6 +20,7 @@ from tests.integration.correction_api.browsing import (
 from tests.integration.correction_api.crowded import WITHIN, desk
 from tests.integration.correction_api.fakes import COMMANDS, FakeRobot
 from tests.integration.correction_api.running import eventually
+from tests.screenshots import shoot
 
 UPRIGHT = (768, 1024)  # A tablet.
 LONG_NAME = "anna-magdalena-of-the-night-shift"
@@ -197,6 +201,23 @@ def test_the_tiles_of_twelve_robots_say_in_what_state_each_is_at_any_size(
                     assert tile.evaluate(MARKS) == [name, *states], size
         for one in fleet[1:]:
             one.close()
+
+
+def test_screenshots_are_taken_at_four_sizes(
+    browser: Browser, crowd: httpx.Client, tmp_path: Path
+) -> None:
+    with desk(browser, crowd, DESK) as page:
+        shoot(page, "live", tmp_path, tmp_path / "beside")
+    taken = {
+        path.relative_to(tmp_path).as_posix(): decode_jpeg_header(path.read_bytes())[:2]
+        for path in tmp_path.rglob("*.jpg")
+    }
+    assert taken == {
+        "live.jpg": (900, 1440),
+        "beside/live-1024x768.jpg": (768, 1024),
+        "beside/live-390x844.jpg": (844, 390),
+        "beside/live-844x390.jpg": (390, 844),
+    }
 
 
 @pytest.mark.parametrize("size", [DESK, (1280, 800), TABLET, UPRIGHT, PHONE, SIDEWAYS])
