@@ -203,7 +203,8 @@ def split(
     """Labels to train on, and those to hold out: whole episodes, the same ones in every round.
 
     at_least: where chance holds out fewer labels, the next episodes by lot are, too, but no more
-        than a fifth of all: an early round is small, and would not be judged.
+        than a fifth of all: an early round is small, and would not be judged. A later round that is
+        still so small may hold out an episode that an earlier one learned from.
     """
     counts = Counter(label.episode for label in labels)
     lots = {episode: _lot(episode) for episode in counts}

@@ -103,8 +103,8 @@ def _notes(settings: BaselineSettings, outcomes: dict[int, dict[str, Outcomes]])
         "Flat and latent goals learn from actions alone, without the labels that the other two "
         "have: that is what they are without words. Flat sees no earlier looks either.",
         "Latent goals with labels besides are a control: the same network, data and updates, and "
-        "one more loss, which holds the vector against the right command. What it can do and "
-        "latent goals can't is what labels are worth, and no fault of network or rollout.",
+        "one more loss, which holds the vector against the right command. Where it succeeds, that "
+        "latent goals don't is no fault of network or rollout; where it doesn't, it may be one.",
     ]
     if settings.seeds == 1:
         notes.append("One training seed: this says nothing of others.")
