@@ -29,23 +29,25 @@ PAGES = sorted(
 SIZES = {"desk": (DESK, {}), "phone": (PHONE, FINGERS), "sideways": (SIDEWAYS, FINGERS)}
 LIVE_REGIONS = "[aria-live]:not([aria-live=off]), [role=status], [role=alert], [role=log], output"
 TARGET_PX = 44
+WALKS = ("first", "second", "third")
+"""A last word of a robot that was just told to stand still may change what is there in one."""
 DRAWN_WITHIN_MS = 150_000  # The process that draws starts now, and others go first.
 
 VISIBLE = """
 element => element.checkVisibility({ visibilityProperty: true }) && element.getClientRects().length
 """
-REACHABLE = f"""
-() => [...document.querySelectorAll("a[href], button, input, select, textarea, summary")]
+MISSED = f"""
+walk => [...document.querySelectorAll("a[href], button, input, select, textarea, summary")]
   .filter(element => !element.disabled && !element.closest("[inert]") && ({VISIBLE})(element))
-  .filter(element => !element.dataset.reached)
+  .filter(element => element.dataset.walk !== walk)
   .map(element => element.outerHTML.slice(0, 120))
 """
 REACHED = """
-() => {
+walk => {
   const element = document.activeElement;
   if (!element || element === document.body) return null;
-  const again = element.dataset.reached === "yes";
-  element.dataset.reached = "yes";
+  const again = element.dataset.walk === walk;
+  element.dataset.walk = walk;
   const { outlineStyle, outlineWidth, boxShadow } = getComputedStyle(element);
   const visible = (outlineStyle !== "none" && outlineWidth !== "0px") || boxShadow !== "none";
   return { again, visible, html: element.outerHTML.slice(0, 120) };
@@ -162,14 +164,23 @@ def test_every_control_is_reached_by_tab_and_shows_that_it_is(
 ) -> None:
     with visited(browser, still.url) as page:
         at_work(page)
-        reached: list[dict[str, Any]] = []
-        page.keyboard.press("Tab")
-        while (seen := page.evaluate(REACHED)) and not seen["again"]:
-            reached.append(seen)
-            page.keyboard.press("Tab")
+        for walk in WALKS:
+            reached = walked(page, walk)
+            if not (missed := page.evaluate(MISSED, walk)):
+                break
+        assert missed == []
         assert len(reached) > 10
-        assert page.evaluate(REACHABLE) == []
         assert [seen["html"] for seen in reached if not seen["visible"]] == []
+
+
+def walked(page: Page, walk: str) -> list[dict[str, Any]]:
+    """What has the focus, Tab by Tab, until it comes round."""
+    reached: list[dict[str, Any]] = []
+    page.keyboard.press("Tab")
+    while (seen := page.evaluate(REACHED, walk)) and not seen["again"]:
+        reached.append(seen)
+        page.keyboard.press("Tab")
+    return reached
 
 
 def test_a_person_without_a_mouse_corrects_in_their_own_words_and_by_a_proposal(

@@ -152,8 +152,9 @@ def test_everything_in_the_player_goes_by_keys(browser: Browser, world: World) -
         expect(field).to_be_focused()
         page.keyboard.type("wait")
         page.keyboard.press("Enter")
-        row = page.locator("tr[data-correction]").last
-        expect(row).to_contain_text("kept for the next round")
+        rows = page.locator("tr[data-correction]")
+        expect(rows).to_have_count(before + 1)
+        expect(rows.last).to_contain_text("kept for the next round")
         assert fits(page, PHONE)
     said = account(world)[before]
     decisions = world.api.get(f"api/v1/episodes/{world.bad}/decisions").json()["decisions"]
