@@ -24,6 +24,8 @@ class TrainSettings(Settings):
     batch, lr, frozen_encoder: as in `shared.policies.fit.FitSettings`.
     correction_share: of each batch, from what people said in all rounds so far; the rest are
         demonstrations.
+    own_weights: share of what a round learned in its weights; the rest is the first version's,
+        so that what that knew is kept (`anchor.py`); 1: all.
     threads: of torch; by another number the weights differ in their last bits. nice: how much the
         training yields to robots on the same machine.
     """
@@ -36,6 +38,7 @@ class TrainSettings(Settings):
     lr: Annotated[float, Field(gt=0, le=1)] = 1e-3
     frozen_encoder: bool = False
     correction_share: Annotated[float, Field(gt=0, lt=1)] = 0.5
+    own_weights: Annotated[float, Field(gt=0, le=1)] = 0.8
     threads: Annotated[int, Field(ge=1)] = 2
     nice: Annotated[int, Field(ge=0, le=19)] = 5
 

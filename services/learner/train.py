@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 import torch
 
+from services.learner.anchor import anchor
 from services.learner.config import Recipe, TrainSettings
 from services.learner.gate import Candidate, Figures, keep_aside, split
 from services.learner.gather import agreement, gather, grow, known, open_version, unread
@@ -74,6 +75,7 @@ def fine_tune(
     retained = demonstrations.take(aside)
     policy = open_version(in_force, files)
     before, knew = agreement(policy, held_out, store, spell), known(policy, retained)
+    base = open_version(_record(store, 0), files)
     if recipe.train.start == "base":
         policy = open_version(_record(store, 0), files)
     bank, spelt = grow(policy.bank, obeyed)
@@ -88,6 +90,7 @@ def fine_tune(
     settings = fit_settings(recipe.train, round_.seed, len(learned))
     replay = demonstrations.take(replayed)
     report = fit(policy.net, bank, replay, said, settings, told, kept=under_way)
+    anchor(policy.net, base.net, recipe.train.own_weights)
     policy = HighLevel(policy.net, bank, policy.version)
     figures = Figures(
         labels=len(learned),

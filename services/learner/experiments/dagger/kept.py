@@ -15,7 +15,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from services.learner.experiments.dagger.course import Effort
 from services.learner.experiments.dagger.lessons import Taught
 from shared.errors import HldError
-from shared.evaluation.attempts import Row
+from shared.evaluation.attempts import Attempt, Row
 
 BySeed = list[list[Row]]
 """Rows by training seed; one alone where nothing was trained."""
@@ -31,7 +31,7 @@ class Pace(NamedTuple):
 
 
 class Outcomes(BaseModel):
-    """What was found, without the attempts in the rows.
+    """What was found, without the attempts in the rows but the one that failed first.
 
     note: what it hangs on. rows: by the arm's name. lab: the same in the lab, after the last round
     or before the first. prompts: that were corrected. taught: what the arms learned from.
@@ -88,5 +88,12 @@ class Archive:
 
 
 def bare(rows: list[Row]) -> list[Row]:
-    """Without what was attempted in them."""
-    return [row.model_copy(update={"attempts": ()}) for row in rows]
+    """Without what was attempted in them, but for what went wrong first where one failed."""
+    return [row.model_copy(update={"attempts": _failed(row)}) for row in rows]
+
+
+def _failed(row: Row) -> tuple[Attempt, ...]:
+    """The attempt under way when something went wrong first; none in a success."""
+    step = row.failed_step
+    under_way = [one for one in row.attempts if one.begin <= step]
+    return tuple(under_way[-1:]) if not row.success and step >= 0 else ()

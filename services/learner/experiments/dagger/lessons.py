@@ -10,11 +10,12 @@ import numpy as np
 import torch
 from pydantic import BaseModel, ConfigDict
 
+from services.learner.anchor import anchor
 from services.learner.experiments.dagger.course import Course, under_way
 from services.learner.experiments.dagger.scale import ARMS, Arm, DaggerSettings
 from services.learner.gate import Candidate
 from services.learner.gather import open_version
-from services.learner.labels.aggregate import Label
+from services.learner.labels.aggregate import Ground, Label
 from services.learner.pretrain import demonstrate
 from services.learner.pretrain.cards import today
 from services.learner.store.store import Round
@@ -64,6 +65,7 @@ class Lesson(NamedTuple):
 class Taught(BaseModel):
     """What came of it. labels: decisions that were learned from, besides demonstrations.
 
+    corrections: how many said so; 0 for demonstrations.
     steps: control steps that somebody drove by hand for it; 0 for corrections.
     """
 
@@ -72,6 +74,7 @@ class Taught(BaseModel):
     lesson: Lesson
     candidate: Candidate | None = None
     labels: int
+    corrections: int = 0
     steps: int = 0
     cpu_s: float
 
@@ -128,7 +131,8 @@ class Teacher:
         tensors = {ref.name: course.tensor(ref) for ref in candidate.tensors}
         settings_of = {**candidate.settings, "bank": "\n".join(candidate.bank)}
         self._save(lesson, tensors, settings_of)
-        return Taught(lesson=lesson, labels=candidate.figures.labels, cpu_s=0)
+        labels, learned = candidate.figures.labels, len(candidate.learned)
+        return Taught(lesson=lesson, labels=labels, corrections=learned, cpu_s=0)
 
     def _demonstrated(self, course: Course, lesson: Lesson, round_: Round) -> Taught:
         """As many decisions as were corrected, shown by the expert's hand, in their place."""
@@ -147,6 +151,7 @@ class Teacher:
             shown,
             fit_settings(train, round_.seed, len(shown)),
         )
+        anchor(policy.net, open_version(record, course.files).net, train.own_weights)
         policy = HighLevel(policy.net, policy.bank, policy.version)
         self._save(
             lesson, policy.tensors(), {**policy.settings(), "bank": "\n".join(policy.bank.phrases)}
@@ -198,12 +203,17 @@ class Treatment:
         self._arm, self._settings, self._seed = arm, settings, seed
 
     def __call__(self, labels: Sequence[Label]) -> list[Label]:
-        kept = [label for label in labels if self._wanted(label.episode)]
+        kept = [label for label in labels if self._wanted(label.episode) and self._heard(label)]
         if self._arm.data != "shuffled":
             return kept
         order = np.random.default_rng([self._seed, 1]).permutation(len(kept))
         texts = [kept[row].text for row in order]
         return [label._replace(text=text) for label, text in zip(kept, texts, strict=True)]
+
+    def _heard(self, label: Label) -> bool:
+        """Whether an arm learns from what was said so."""
+        endorsed = label.ground is Ground.ENDORSED
+        return {"overrides": not endorsed, "endorsements": endorsed}.get(self._arm.data, True)
 
     def _wanted(self, episode: str) -> bool:
         round_, number = place_of(episode)

@@ -35,14 +35,17 @@ class Arm(NamedTuple):
 
     title: in reports. person: whose course. recipe: what is changed in it.
     data: corrections; shuffled: the same with their words exchanged among them; last: of the last
-        round alone; lab, site: as many demonstrated decisions by the expert's hand instead.
+        round alone; overrides: without what an endorsement calls right; endorsements: that alone;
+        lab, site: as many demonstrated decisions by the expert's hand instead.
     episodes: share of each round's episodes, the first ones.
     """
 
     title: str
     person: str = MAIN
     recipe: Callable[[Recipe], Recipe] = lambda recipe: recipe
-    data: Literal["corrections", "shuffled", "last", "lab", "site"] = "corrections"
+    data: Literal["corrections", "shuffled", "last", "overrides", "endorsements", "lab", "site"] = (
+        "corrections"
+    )
     episodes: float = 1.0
 
 
@@ -70,6 +73,8 @@ ARMS: dict[str, Arm] = {
     "lab": Arm("as many demonstrations in the lab", data="lab"),
     "site": Arm("as many demonstrations here", data="site"),
     "last": Arm("last round only", data="last"),
+    "overrides": Arm("overrides alone", data="overrides"),
+    "endorsements": Arm("endorsements alone", data="endorsements"),
     "share-0.1": Arm("share .1", recipe=_share(0.1)),
     "share-0.3": Arm("share .3", recipe=_share(0.3)),
     "share-0.8": Arm("share .8", recipe=_share(0.8)),
@@ -126,12 +131,12 @@ CORE = DaggerSettings(
     episodes=(40, 80, 80),
     seeds=3,
     people=(MAIN,),
-    arms=("together", "shuffled", "last", "lab", "site"),
+    arms=("together", "shuffled", "last", "overrides", "endorsements", "lab", "site"),
 )
 FULL = DaggerSettings(
     episodes=(40, 80, 80),
     seeds=3,
-    people=(MAIN, "late 0.5 s", LATE, "misses 20 %", "wrong 10 %"),
+    people=(MAIN, "not endorsing", "late 0.5 s", LATE, "misses 20 %", "wrong 10 %"),
     arms=tuple(ARMS),
 )
 SCALES = {Scale.SMALL: SMALL, Scale.CORE: CORE, Scale.FULL: FULL}
