@@ -14,7 +14,7 @@ def anchor(net: HighLevelNet, base: HighLevelNet, own: float) -> None:
 
     Words that the base's text head never knew count as its zeros, from which they began.
     """
-    before = dict(base.named_parameters())
+    before = {name: weight.detach() for name, weight in base.named_parameters()}
     with torch.no_grad():
         for name, weight in net.named_parameters():
             old = before[name]

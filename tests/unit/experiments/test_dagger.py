@@ -11,14 +11,16 @@ import pytest
 from services.learner.experiments.bench import Bench, Scale
 from services.learner.experiments.dagger import compare
 from services.learner.experiments.dagger.course import Course
-from services.learner.experiments.dagger.figures import gap_closed, less
+from services.learner.experiments.dagger.figures import failed_commands, gap_closed, less
+from services.learner.experiments.dagger.kept import bare
 from services.learner.experiments.dagger.lessons import Treatment, place_of
 from services.learner.experiments.dagger.scale import ARMS, CORE, FULL, MAIN, SMALL, DaggerSettings
+from services.learner.experiments.dagger.targets import targets
 from services.learner.experiments.dagger.watching import Person, Shift, Turn, Watcher
 from services.learner.experiments.report import describe
 from services.learner.labels.aggregate import Ground, Label
 from shared.errors import HldError
-from shared.evaluation.attempts import Row
+from shared.evaluation.attempts import Attempt, Row
 from shared.evaluation.plan import Plan
 from shared.messages.correction import Correction, Kind
 from shared.messages.decision import Decision
@@ -126,6 +128,54 @@ def test_an_arm_sees_its_last_round_or_its_first_episodes_alone() -> None:
     }
 
 
+def test_an_arm_learns_from_overrides_or_from_endorsements_alone() -> None:
+    said = [
+        label._replace(ground=Ground.ENDORSED) if row % 2 else label
+        for row, label in enumerate(labels())
+    ]
+    kept = {name: Treatment(ARMS[name], SMALL, 0)(said) for name in ("overrides", "endorsements")}
+    assert kept == {"overrides": said[::2], "endorsements": said[1::2]}
+
+
+def attempt(command: str, begin: int) -> Attempt:
+    return Attempt(command=command, skill="pick up", success=False, begin=begin, steps=10)
+
+
+def test_of_a_failed_episode_is_kept_what_was_under_way_when_it_went_wrong() -> None:
+    won, lost = rows([True, False])
+    both = (attempt("pick up the ham", 0), attempt("pick up the bread", 10))
+    late = (*both, attempt("pick up the cheese", 20))
+    lost = lost.model_copy(update={"attempts": late, "failure": "wrong object", "failed_step": 12})
+    kept = bare([won.model_copy(update={"attempts": late}), lost])
+    assert [row.attempts for row in kept] == [(), (both[1],)]
+    assert failed_commands([kept]) == [
+        {"command": "pick up the bread", "failure": "wrong object", "count": 1, "share": 0.5}
+    ]
+
+
+def gap(difference: float, low: float = -0.1, high: float = 0.5) -> dict[str, Any]:
+    return {"difference": difference, "interval": [low, high]}
+
+
+def test_a_target_is_reached_by_its_value_and_a_control_beaten_by_its_interval() -> None:
+    figures = {
+        "gap_closed": {"value": 0.79, "interval": [0.7, 0.9]},
+        "corrections_share": {"value": 12.0, "rounds": [20.0, 8.0, 8.5], "with_releases": 18.0},
+        "retention": {"lab": gap(-0.01)},
+        "less": {"live": gap(-0.05), "lab": gap(0.3, 0.2, 0.4), "shuffled": gap(0.3, -0.01, 0.6)},
+    }
+    found = {one.what: one.reached for one in targets(figures, 3)}
+    assert found == {
+        "gap between base and oracle closed after 3 rounds": False,
+        "corrections per 100 decisions, over all rounds": True,
+        "the same by round": False,
+        "less live-corrected": True,
+        "in the lab, less before": True,
+        "less extra demonstrations in the lab": True,
+        "less shuffled corrections": False,
+    }
+
+
 def rows(wins: list[bool]) -> list[Row]:
     return [
         Row(seed=seed, task="pack", prompt=f"{seed}", success=won, progress=1.0, steps=3,
@@ -184,6 +234,8 @@ def test_all_of_it_in_small_and_again_without_doing_anything_twice(tmp_path: Pat
     assert figures["corrections_share"]["value"] > 0
     assert figures["teleoperation"]["lab"]["decisions"] > 0
     assert figures["retention"]["before"]["n"] == 1
+    assert {target["what"] for target in figures["targets"]} >= {"less shuffled corrections"}
+    assert figures["learned_from"]["shuffled"]["corrections"] > 0
     about = {"command": "c", "date": "d", "site": "far", "low_level_sha256": LOW,
              "high_level": None, "high_level_sha256": None}  # fmt: skip
     assert "as many demonstrations in the lab" in describe(told, about, ["dagger.svg"])

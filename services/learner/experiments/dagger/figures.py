@@ -8,8 +8,10 @@ import numpy as np
 
 from services.learner.experiments.dagger.course import Effort
 from services.learner.experiments.dagger.kept import BySeed, Pace
+from services.learner.experiments.dagger.lessons import Taught
 from services.learner.experiments.dagger.run import Tried
 from services.learner.experiments.dagger.scale import MAIN, DaggerSettings
+from services.learner.experiments.dagger.targets import targets
 from shared.evaluation.attempts import Row
 from shared.evaluation.summary import summarize
 from shared.intervals import mcnemar, rate, seeds_difference
@@ -23,7 +25,7 @@ DRAWS = 10_000
 def figures_of(settings: DaggerSettings, tried: Tried) -> dict[str, Any]:
     """All of them, as report.json has them."""
     last = f"{MAIN}, round {settings.rounds}"
-    return {
+    figures = {
         "settings": settings.model_dump(mode="json"),
         "arms": {name: _arm(rows) for name, rows in tried.rows.items()},
         "gap_closed": gap_closed(tried.rows, settings.rounds),
@@ -39,7 +41,11 @@ def figures_of(settings: DaggerSettings, tried: Tried) -> dict[str, Any]:
         "teleoperation": _teleoperation(tried),
         "staleness": _staleness(tried.paces),
         "failures": {name: failures_of(tried.rows[name]) for name in ("base", last, "oracle")},
+        "failed_commands": failed_commands(tried.rows[last]),
+        "learned_from": _learned_from(tried.taught),
     }
+    told = [target._asdict() for target in targets(figures, settings.rounds)]
+    return {**figures, "targets": told}
 
 
 def _arm(rows: BySeed) -> dict[str, Any]:
@@ -207,3 +213,32 @@ def failures_of(rows: BySeed) -> dict[str, float]:
     every: list[Row] = [row for by_seed in rows for row in by_seed]
     found = Counter(row.failure for row in every if not row.success)
     return {kind: round(count / len(every), 4) for kind, count in found.most_common()}
+
+
+def failed_commands(rows: BySeed) -> list[dict[str, Any]]:
+    """Under which command what went wrong first, the most frequent first.
+
+    share: of all episodes. "": nothing was attempted yet.
+    """
+    every = [row for by_seed in rows for row in by_seed]
+    found = Counter(
+        (row.attempts[-1].command if row.attempts else "", row.failure)
+        for row in every
+        if not row.success
+    )
+    return [
+        {"command": command, "failure": kind, "count": count, "share": round(count / len(every), 4)}
+        for (command, kind), count in sorted(found.items(), key=lambda one: (-one[1], one[0]))
+    ]
+
+
+def _learned_from(taught: Sequence[Taught]) -> dict[str, dict[str, float]]:
+    """By arm, means over the training seeds: labelled decisions, and corrections that gave them."""
+    return {
+        name: {
+            "labels": float(np.mean([one.labels for one in some])),
+            "corrections": float(np.mean([one.corrections for one in some])),
+        }
+        for name in dict.fromkeys(one.lesson.arm for one in taught)
+        for some in [[one for one in taught if one.lesson.arm == name]]
+    }

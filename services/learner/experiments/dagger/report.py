@@ -6,6 +6,7 @@ from typing import Any
 from services.learner.experiments.dagger.figures import SPEAK_S, figures_of
 from services.learner.experiments.dagger.run import Tried
 from services.learner.experiments.dagger.scale import ARMS, MAIN, PEOPLE, DaggerSettings
+from services.learner.experiments.dagger.targets import targets_table
 from services.learner.experiments.findings import (
     Curve,
     Findings,
@@ -16,6 +17,9 @@ from services.learner.experiments.findings import (
     curve,
     gap_cell,
 )
+
+MOST_COMMANDS = 12
+FEWEST_POINTS = 2
 
 ENDORSING = (
     " After an episode that succeeded they say once that the rest was right, so that what π_HL "
@@ -31,12 +35,17 @@ def findings(settings: DaggerSettings, tried: Tried, site: str) -> Findings:
         method=_method(settings),
         figures=figures,
         tables=(
+            targets_table(figures, settings.rounds),
             _arms_table(figures, last),
             _rounds_table(figures),
+            _kept_table(figures),
+            *_driven_tables(figures),
             _tasks_table(figures),
             _failures_table(figures),
+            _commands_table(figures),
+            _staleness_table(figures),
         ),
-        plots=(_plot(figures, settings, site),),
+        plots=(_plot(figures, settings, site), *_amounts(figures, settings, site)),
         notes=_notes(settings),
     )
 
@@ -66,10 +75,13 @@ def _notes(settings: DaggerSettings) -> tuple[str, ...]:
         "differences and of the gap are by bootstrap over training seeds and scenes. p is "
         "McNemar's, exact, for each training seed; the largest is told. None is corrected for "
         "there being several.",
-        "Corrections are overrides and endorsements. "
+        "A correction is what somebody says: an override, which may hold over several decisions, "
+        "or an endorsement of an episode. A release is a key without words, and is counted beside. "
         f"Speaking is reckoned as {SPEAK_S:.0f} s an utterance, a release included; watching is "
         "the robot's time. By hand somebody drives all the time that an episode takes; the "
         "scripted expert does so without a pause.",
+        "An arm with fewer labels is trained by fewer updates, as a round is, but by as many where "
+        "shares are compared.",
         "Retention is success in the lab, where no correction came from.",
     ]
     if settings.seeds == 1:
@@ -89,11 +101,14 @@ def _arms_table(figures: dict[str, Any], last: str) -> Table:
             cell(found),
             str(found["n"]),
             ", ".join(f"{one['success']:.2f}" for one in found["seeds"]),
+            f"{figures['learned_from'][name]['labels']:.0f}" if name in ARMS else "",
             "" if name == last else gap_cell(figures["less"][name]),
         )
         for name, found in figures["arms"].items()
     ]
-    columns = ("arm", "success (95 %)", "n", "by training seed", f"{last} less this")
+    columns = (
+        "arm", "success (95 %)", "n", "by training seed", "labels", f"{last} less this",
+    )  # fmt: skip
     return Table(title="Success", columns=columns, rows=tuple(rows))
 
 
@@ -119,6 +134,32 @@ def _rounds_table(figures: dict[str, Any]) -> Table:
     return Table(title="What people did", columns=columns, rows=tuple(rows))
 
 
+def _kept_table(figures: dict[str, Any]) -> Table:
+    """What it knew before."""
+    kept, unseen = figures["retention"], figures["retention"]["unseen"]
+    return Table(
+        title="What was never corrected",
+        columns=("", "before", "after", "after less before"),
+        rows=(
+            ("the lab", cell(kept["before"]), cell(kept["after"]), gap_cell(kept["lab"])),
+            ("prompts that nobody corrected", cell(unseen["before"]), cell(unseen["after"]), ""),
+        ),
+    )
+
+
+def _driven_tables(figures: dict[str, Any]) -> tuple[Table, ...]:
+    """What as many decisions by hand take, where such arms were run."""
+    rows = [
+        (title_of(name), str(found["decisions"]), f"{found['minutes']:.1f}")
+        for name, found in figures["teleoperation"].items()
+    ]
+    columns = ("arm", "decisions", "min driving")
+    table = Table(
+        title="Demonstrations by hand, a training seed", columns=columns, rows=tuple(rows)
+    )
+    return (table,) if rows else ()
+
+
 def _tasks_table(figures: dict[str, Any]) -> Table:
     tasks = sorted({task for found in figures["arms"].values() for task in found["tasks"]})
     rows = [
@@ -138,6 +179,45 @@ def _failures_table(figures: dict[str, Any]) -> Table:
         columns=("first", *counts),
         rows=tuple(cells),
     )
+
+
+def _commands_table(figures: dict[str, Any]) -> Table:
+    """Under which commands, after the last round."""
+    rows = [
+        (one["command"] or "none yet", one["failure"], str(one["count"]), f"{one['share']:.3f}")
+        for one in figures["failed_commands"][:MOST_COMMANDS]
+    ]
+    columns = ("command", "what went wrong first", "episodes", "share of all")
+    return Table(title="Commands that failed first", columns=columns, rows=tuple(rows))
+
+
+def _staleness_table(figures: dict[str, Any]) -> Table:
+    """How old the versions were that ran the episodes a round learned from."""
+    rounds = figures["staleness"]
+    ages = sorted({age for found in rounds for age in found}, key=int)
+    return Table(
+        title="Episodes learned from, by how many versions ago they ran",
+        columns=("round", *ages),
+        rows=tuple(
+            (str(number), *(str(found.get(age, 0)) for age in ages))
+            for number, found in enumerate(rounds, 1)
+        ),
+    )
+
+
+def _amounts(figures: dict[str, Any], settings: DaggerSettings, site: str) -> tuple[Plot, ...]:
+    """Success over how many corrections were learned from, where arms learned from fewer."""
+    names = [
+        name for name in settings.arms_of_people if ARMS[name].episodes < 1.0 or name == "together"
+    ]
+    if len(names) < FEWEST_POINTS:
+        return ()
+    points = {0.0: figures["arms"]["base"]}
+    for name in sorted(names, key=lambda name: ARMS[name].episodes):
+        points[figures["learned_from"][name]["corrections"]] = figures["arms"][name]
+    panel = Panel(title=site, curves=(curve("learned at once", points),))
+    title, label = "Success by corrections", "corrections learned from"
+    return (Plot(name="corrections", title=title, x_label=label, panels=(panel,)),)
 
 
 def _plot(figures: dict[str, Any], settings: DaggerSettings, site: str) -> Plot:
