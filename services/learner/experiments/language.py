@@ -8,7 +8,7 @@ from services.learner.experiments import sides
 from services.learner.experiments.bench import Bench
 from services.learner.experiments.findings import Findings, Panel, Plot, Table, cell, curve
 from services.learner.experiments.scenes import setting_for
-from services.learner.pretrain.everyday import has_new_word, sealed, writings
+from services.learner.pretrain.everyday import FORMS, forms_of, has_new_word, sealed, writings
 from services.learner.pretrain.unheard import unheard_phrases, unheard_refusals
 from shared.evaluation.phrase import Said, Trial
 from shared.evaluation.scene import ANYTHING, Setting
@@ -116,10 +116,11 @@ class _Everyday:
             for name in dict.fromkeys(self._writers)
         }
         held_out = sealed(writings())
+        unseen = [one for one in self._said if one.phrase in held_out]
         return {
             **_figures(self._said),
             "writings": by_writing,
-            "held_out": _figures([one for one in self._said if one.phrase in held_out]),
+            "held_out": {**_figures(unseen), "forms": _by_form(unseen)},
             "new_word": _figures([one for one in self._said if has_new_word(one.phrase)]),
             "commands": _by_expected(self._said),
             "impossible": rate([bool(one.refused) for one in self._refused]),
@@ -131,6 +132,14 @@ class _Everyday:
 
 def _by_expected(said: list[Said]) -> dict[str, dict[str, Any]]:
     return {text: _figures([one for one in said if one.expected == text]) for text in COMMANDS}
+
+
+def _by_form(said: list[Said]) -> dict[str, dict[str, Any]]:
+    forms = [forms_of(one.phrase, str(one.expected)) for one in said]
+    return {
+        form: _figures([one for one, its in zip(said, forms, strict=True) if form in its])
+        for form in FORMS
+    }
 
 
 def _sentences(bench: Bench) -> list[tuple[str, str, str]]:
@@ -181,6 +190,10 @@ def _table(figures: dict[str, Any]) -> Table:
     everyday = figures["everyday"]
     rows = (
         ("everyday, held out, achieved", *_rate(everyday["held_out"])),
+        *(
+            (f"everyday, held out, {form}, achieved", *_rate(found))
+            for form, found in everyday["held_out"]["forms"].items()
+        ),
         ("everyday, held out, read rightly", *_rate(everyday["held_out"]["understood"])),
         ("everyday, held out, impossible, refused", *_rate(everyday["impossible_held_out"])),
         ("everyday, all, achieved", *_rate(everyday)),

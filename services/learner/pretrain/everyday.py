@@ -6,9 +6,10 @@ grew: they are for development. What is `held_out` was counted before anybody lo
 teaches a word because of it takes that mark away.
 """
 
+import re
 import tomllib
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import cache
 from importlib import resources
 from itertools import chain
@@ -17,7 +18,7 @@ from typing import Any, NamedTuple
 from services.learner.pretrain.lexicon import exam
 from shared.policies.phrase import words_of
 from shared.policies.reader import bare
-from shared.workcell.skills import COMMANDS
+from shared.workcell.skills import COMMANDS, parse
 
 REFUSE, HELD, HELD_OUT = "refuse", "held", "held_out"
 
@@ -73,6 +74,31 @@ def _phrases(writing: Writing) -> Iterable[str]:
 def has_new_word(phrase: str) -> bool:
     """Whether a word of it was never taught, in any place."""
     return not _taught().issuperset(words_of(phrase))
+
+
+def forms_of(phrase: str, command: str) -> tuple[str, ...]:
+    """In which ways a phrase differs from its command; names of `FORMS`, several may hold."""
+    return tuple(name for name, differs in FORMS.items() if differs(phrase.lower(), command))
+
+
+def _another_noun(phrase: str, command: str) -> bool:
+    thing = parse(command).object
+    return thing is not None and not set(thing.split()) <= set(words_of(phrase))
+
+
+FORMS: dict[str, Callable[[str, str], bool]] = {
+    "another verb": lambda phrase, _: not {"pick", "put", "wait"} & set(words_of(phrase)),
+    "another noun": _another_noun,
+    "another order": lambda phrase, _: re.match(r"(the|that|this)\b", phrase) is not None,
+    "courtesy": lambda phrase, _: (
+        re.search(r"\b(please|could you|would you|can you|mind|thanks?|kindly|i'd like)\b", phrase)
+        is not None
+    ),
+    "protest in front": lambda phrase, _: (
+        re.match(r"(no|nope|nah|not|stop|wait|actually|wrong)\b", phrase) is not None
+    ),
+}
+"""Told by words alone, so only roughly: another order begins with the thing."""
 
 
 @cache

@@ -2,7 +2,7 @@
 
 import pytest
 
-from services.learner.pretrain.everyday import Writing, sealed, writings
+from services.learner.pretrain.everyday import Writing, forms_of, sealed, writings
 from shared.workcell.objects import OBJECT_NAMES
 from shared.workcell.skills import COMMANDS, PUTS
 
@@ -36,3 +36,24 @@ def test_what_another_writing_has_too_is_not_held_out() -> None:
     assert sealed(every) == {"b waits", "c waits", "stay there"}
     assert sealed(every[:2]) == {"b waits", "dance"}
     assert sealed(every[:1]) == frozenset()
+
+
+@pytest.mark.parametrize(
+    ("phrase", "command", "forms"),
+    [
+        ("pick up the bread", "pick up the bread", ()),
+        ("Could you grab the bread", "pick up the bread", ("another verb", "courtesy")),
+        ("pick up that slice", "pick up the bread", ("another noun",)),
+        (
+            "the slice, get it",
+            "pick up the bread",
+            ("another verb", "another noun", "another order"),
+        ),
+        ("no, put it in the bin", "put it in the bin", ("protest in front",)),
+        ("notice the bread and pick it up", "pick up the bread", ()),
+    ],
+)
+def test_it_is_told_in_which_ways_a_phrase_differs_from_its_command(
+    phrase: str, command: str, forms: tuple[str, ...]
+) -> None:
+    assert forms_of(phrase, command) == forms
