@@ -61,6 +61,10 @@ def _share(share: float) -> Callable[[Recipe], Recipe]:
     return changed
 
 
+def _unanchored(recipe: Recipe) -> Recipe:
+    return recipe.model_copy(update={"train": recipe.train.model_copy(update={"own_weights": 1.0})})
+
+
 def _labels(**changes: object) -> Callable[[Recipe], Recipe]:
     return lambda recipe: recipe.model_copy(
         update={"labels": recipe.labels.model_copy(update=changes)}
@@ -78,6 +82,7 @@ ARMS: dict[str, Arm] = {
     "share-0.1": Arm("share .1", recipe=_share(0.1)),
     "share-0.3": Arm("share .3", recipe=_share(0.3)),
     "share-0.8": Arm("share .8", recipe=_share(0.8)),
+    "unanchored": Arm("weights not averaged with the base's", recipe=_unanchored),
     "episodes-0.1": Arm("the first .1 of the episodes", episodes=0.1),
     "episodes-0.25": Arm("the first .25 of the episodes", episodes=0.25),
     "episodes-0.5": Arm("the first .5 of the episodes", episodes=0.5),
