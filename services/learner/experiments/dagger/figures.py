@@ -151,6 +151,11 @@ def _retention(tried: Tried, last: str) -> dict[str, Any]:
         "lab": gap,
         "before": _arm(tried.lab["base"]),
         "after": _arm(tried.lab["last"]),
+        "arms": {
+            name: {**_arm(rows), "less": less(rows, tried.lab["base"])}
+            for name, rows in tried.lab.items()
+            if name not in ("base", "last")
+        },
         "unseen": {
             "after": rate([mine for mine, _ in pairs]),
             "before": rate([before for _, before in pairs]),

@@ -33,15 +33,15 @@ class Pace(NamedTuple):
 class Outcomes(BaseModel):
     """What was found, without the attempts in the rows but the one that failed first.
 
-    note: what it hangs on. rows: by the arm's name. lab: the same in the lab, after the last round
-    or before the first. prompts: that were corrected. taught: what the arms learned from.
+    note: what it hangs on. rows: by the arm's name. lab: the same in the lab, of few arms.
+    prompts: that were corrected. taught: what the arms learned from.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     note: str
     rows: dict[str, list[Row]]
-    lab: list[Row] = []
+    lab: dict[str, list[Row]] = {}
     paces: list[Pace] = []
     prompts: list[str] = []
     taught: list[Taught] = []

@@ -142,6 +142,10 @@ def _kept_table(figures: dict[str, Any]) -> Table:
         columns=("", "before", "after", "after less before"),
         rows=(
             ("the lab", cell(kept["before"]), cell(kept["after"]), gap_cell(kept["lab"])),
+            *(
+                (f"the lab: {title_of(name)}", "", cell(found), gap_cell(found["less"]))
+                for name, found in kept["arms"].items()
+            ),
             ("prompts that nobody corrected", cell(unseen["before"]), cell(unseen["after"]), ""),
         ),
     )

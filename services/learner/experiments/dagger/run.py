@@ -21,6 +21,8 @@ from shared.policies.checkpoint import CARD_FILE, bundled, load_card
 from shared.rollout.settings import RolloutSettings
 
 LAB = "lab"
+LAB_ARMS = ("together", "unanchored")
+"""Tried in the lab, too: what averaging with the base's weights keeps."""
 Courses = dict[str, Course]
 """Of one training seed, by person."""
 
@@ -28,7 +30,7 @@ Courses = dict[str, Course]
 class Tried(NamedTuple):
     """All that was found.
 
-    rows: by the arm's name. lab: the same of the base and of the last version, in the lab.
+    rows: by the arm's name. lab: the same in the lab, of the base, the last version, `LAB_ARMS`.
     prompts: that were corrected, by training seed. taught: what was trained.
     """
 
@@ -59,11 +61,12 @@ class Run:
         ]
         rows = {name: [some] for name, some in untrained.rows.items()}
         rows |= {name: [one.rows[name] for one in each] for name in each[0].rows}
+        untrained_lab = {name: [some] for name, some in untrained.lab.items()}
         if flat := self._flat():
             rows["flat"] = flat
         return Tried(
             rows=rows,
-            lab={"base": [untrained.lab], "last": [one.lab for one in each]},
+            lab=untrained_lab | {name: [one.lab[name] for one in each] for name in each[0].lab},
             paces=[pace for one in each for pace in one.paces],
             prompts=[frozenset(one.prompts) for one in each],
             taught=[taught for one in each for taught in one.taught],
@@ -85,7 +88,7 @@ class Run:
         return Outcomes(
             note=self._note(),
             rows={name: bare(some) for name, some in rows.items()},
-            lab=bare(self._plain("base", LAB)),
+            lab={"base": bare(self._plain("base", LAB))},
         )
 
     def _seed(self, seed: int) -> Outcomes:
@@ -98,11 +101,14 @@ class Run:
                 self._train(courses, number)
             taught, last = self._arms(seed), self._settings.rounds
             rows = self._everywhere(courses, seed)
-            lab = self._episodes(courses[MAIN], last, LAB)
+            lab = {"last": self._episodes(courses[MAIN], last, LAB)}
+            for name in LAB_ARMS:
+                if name in self._settings.arms_of_people:
+                    lab[name] = self._arm(name, seed, LAB)
             return Outcomes(
                 note=self._note(trained=True),
                 rows={name: bare(some) for name, some in rows.items()},
-                lab=bare(lab),
+                lab={name: bare(some) for name, some in lab.items()},
                 paces=[self._pace(person, course) for person, course in courses.items()],
                 prompts=sorted(courses[MAIN].corrected_prompts(last)),
                 taught=taught,
@@ -172,9 +178,12 @@ class Run:
             for number in self._settings.tried(person):
                 rows[f"{person}, round {number}"] = self._episodes(course, number)
         for name in self._settings.arms_of_people:
-            plan = self._bench.plan(high_level=str(self._teaching.arm(name, seed)))
-            rows[name] = self._bench.episodes(f"{self._bench.site}-{name}-{seed}", plan)
+            rows[name] = self._arm(name, seed, self._bench.site)
         return rows
+
+    def _arm(self, name: str, seed: int, site: str) -> list[Row]:
+        plan = self._bench.plan(high_level=str(self._teaching.arm(name, seed)), site=site)
+        return self._bench.episodes(f"{site}-{name}-{seed}", plan)
 
     def _episodes(self, course: Course, number: int, site: str = "") -> list[Row]:
         site = site or self._bench.site
