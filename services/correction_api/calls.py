@@ -116,7 +116,10 @@ class Calls:
     def _go_on(self, known: Call, help: Help, time_ns: int) -> Call:
         if known.help.waits_s and not help.waits_s:
             self._metrics.help_expired.inc()
-        return replace(known, help=help, time_ns=time_ns, heard_ns=self._clock.monotonic_ns())
+        # One that was beyond the budget is shown as soon as there is room, if it still asks.
+        shown = known.shown or (known.open and self._budget.spend(self._clock.now_ns()))
+        heard_ns = self._clock.monotonic_ns()
+        return replace(known, help=help, time_ns=time_ns, heard_ns=heard_ns, shown=shown)
 
 
 def _look(call: Call) -> tuple[object, ...]:

@@ -136,6 +136,19 @@ def test_beyond_the_budget_of_the_fleet_calls_are_counted_and_not_shown() -> Non
     assert board.calls.suppressed() == 0
 
 
+def test_a_call_beyond_the_budget_is_shown_as_soon_as_there_is_room_while_it_still_asks() -> None:
+    board = Board(per_hour=1)
+    board.ask("a", 1)
+    board.ask("b", 1)
+    board.ask("c", 1)
+    board.calls.tell("c", None, 2)
+    board.clock.advance(HOUR_NS)
+    for robot in ("c", "b"):
+        board.ask(robot, 3)
+    assert set(board.names) == {"a", "b"}
+    assert board.calls.suppressed() == 0
+
+
 def test_the_queue_has_changed_only_when_there_is_something_to_see() -> None:
     board = Board()
     board.calls.tell("robot-1", None, 1)
