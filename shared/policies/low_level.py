@@ -14,17 +14,18 @@ from shared.errors import PolicyError
 from shared.goals.family import Floats
 from shared.goals.language.encoder import shared_encoder
 from shared.messages.goal import Goal
-from shared.policies import checkpoint, reader
+from shared.policies import checkpoint
 from shared.policies.checkpoint import Tensors, sha256_tensors
-from shared.policies.claims import elsewhere
-from shared.policies.clauses import in_turn
 from shared.policies.geometry import MEASURES, Geometry, View
 from shared.policies.low_net import CHUNK, CLOSED_M, OPEN_M, LowNet, Motion, Orders, targets
-from shared.policies.lying import APART_M, cover_of, furthest, place_of
-from shared.policies.meant import LEAST_ACT, PUTS, THINGS, Reading
-from shared.policies.reader import Reader, Sentences
+from shared.policies.reader import reader
+from shared.policies.reader.claims import elsewhere
+from shared.policies.reader.clauses import in_turn
+from shared.policies.reader.lying import APART_M, cover_of, furthest, place_of
+from shared.policies.reader.meant import LEAST_ACT, PUTS, THINGS, Reading
+from shared.policies.reader.reader import Reader, Sentences
+from shared.policies.reader.weighed import LEAST_NAME
 from shared.policies.tokens import OPEN_GAP_M
-from shared.policies.weighed import LEAST_NAME
 from shared.policies.wishes import SLOTS
 
 ARMS = ("left", "right")

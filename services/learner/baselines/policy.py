@@ -27,7 +27,7 @@ from shared.policies.high_level import BASE_VERSION, HighLevel
 from shared.policies.high_net import Answer
 from shared.policies.low_level import LowLevel, as_tensors
 from shared.policies.low_net import CHUNK, Motion, Orders, targets
-from shared.policies.reader import Reader
+from shared.policies.reader.reader import Reader
 from shared.workcell.skills import COMMANDS
 from shared.workcell.station import Station
 

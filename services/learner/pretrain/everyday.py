@@ -16,8 +16,8 @@ from itertools import chain
 from typing import Any, NamedTuple
 
 from services.learner.pretrain.lexicon import exam
-from shared.policies.phrase import words_of
-from shared.policies.reader import bare
+from shared.policies.reader.phrase import words_of
+from shared.policies.reader.reader import bare
 from shared.workcell.skills import COMMANDS, parse
 
 REFUSE, HELD, HELD_OUT = "refuse", "held", "held_out"

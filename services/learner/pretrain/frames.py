@@ -1,6 +1,6 @@
 """Frames of a lexicon, "put {} []", taken in pieces and filled with a thing and a place."""
 
-from shared.policies.phrase import ACT, PLACE, THING, take_apart, words_of
+from shared.policies.reader.phrase import ACT, PLACE, THING, take_apart, words_of
 
 Piece = tuple[str, int]
 """A text, and the part that its words play."""

@@ -19,13 +19,13 @@ from services.learner.pretrain.words import NAMED, Said, Speaker, nouns
 from shared.config import Settings
 from shared.goals.family import Floats
 from shared.goals.language.encoder import Encoder, shared_encoder
-from shared.policies.likeness import FEATURES, Likeness
 from shared.policies.low_net import VERBS
-from shared.policies.meant import ACTS, PLACES
-from shared.policies.phrase import take_apart, words_of
-from shared.policies.reader import Reader
-from shared.policies.tagger import Tagger
-from shared.policies.teller import Linear, Teller, features
+from shared.policies.reader.likeness import FEATURES, Likeness
+from shared.policies.reader.meant import ACTS, PLACES
+from shared.policies.reader.phrase import take_apart, words_of
+from shared.policies.reader.reader import Reader
+from shared.policies.reader.tagger import Tagger
+from shared.policies.reader.teller import Linear, Teller, features
 from shared.workcell.objects import BODY_NAMES, KITCHEN, OBJECT_NAMES, TABLE
 from shared.workcell.skills import COMMANDS, SKILLS
 

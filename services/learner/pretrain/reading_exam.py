@@ -27,9 +27,9 @@ from services.learner.pretrain.reading_figures import (
 from services.learner.pretrain.words import Said, Speaker
 from shared.goals.family import Floats
 from shared.goals.language.encoder import Encoder, shared_encoder
-from shared.policies.meant import PLACES
-from shared.policies.phrase import words_of
-from shared.policies.reader import Reader
+from shared.policies.reader.meant import PLACES
+from shared.policies.reader.phrase import words_of
+from shared.policies.reader.reader import Reader
 from shared.workcell.objects import BODY_NAMES, KITCHEN, OBJECT_NAMES, TABLE, Stock
 from shared.workcell.skills import (
     COMMANDS,

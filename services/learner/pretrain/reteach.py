@@ -18,7 +18,7 @@ from services.learner.pretrain.tagger_fit import TaggerFitSettings
 from shared.goals.language.encoder import shared_encoder
 from shared.policies import checkpoint
 from shared.policies.checkpoint import Tensors
-from shared.policies.reader import restore
+from shared.policies.reader.reader import restore
 
 TAGGER = TaggerFitSettings(epochs=4, lr=1e-3)
 """It knows most already."""

@@ -32,7 +32,7 @@ from shared.policies.high_level import BASE_VERSION, HighLevel
 from shared.policies.high_net import HighLevelNet
 from shared.policies.low_level import LowLevel, build
 from shared.policies.low_net import LowNet
-from shared.policies.reader import Reader
+from shared.policies.reader.reader import Reader
 from shared.seeds import DEMONSTRATION
 from shared.workcell.skills import COMMANDS
 

@@ -10,8 +10,8 @@ from torch.nn.utils.rnn import pad_sequence
 
 from shared.config import Settings
 from shared.goals.family import Floats
-from shared.policies.phrase import PARTS
-from shared.policies.tagger import Tagger
+from shared.policies.reader.phrase import PARTS
+from shared.policies.reader.tagger import Tagger
 
 NO_PART = -100
 """Where a phrase is shorter than the longest of its batch."""

@@ -13,8 +13,8 @@ from typing import NamedTuple
 from services.learner.pretrain.reading_exam import STOCKS, present
 from shared.goals.language.encoder import shared_encoder
 from shared.policies import checkpoint
-from shared.policies.meant import WAIT_ROW
-from shared.policies.reader import Reader, restore
+from shared.policies.reader.meant import WAIT_ROW
+from shared.policies.reader.reader import Reader, restore
 
 HELD_OUT = "held_out"
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from services.learner.pretrain.frames import Piece, cut, fill
 from services.learner.pretrain.lexicon import Lexicon, Table
-from shared.policies.phrase import ACT, CONTRAST, FILLER, PLACE, THING, words_of
+from shared.policies.reader.phrase import ACT, CONTRAST, FILLER, PLACE, THING, words_of
 from shared.workcell.objects import index
 from shared.workcell.skills import PUT_DOWN, PUT_IN_BIN, PUT_IN_TUB, PUT_ON_PLATE, WAIT, pick
 
@@ -46,7 +46,7 @@ WHERE = " @ "
 class Said(NamedTuple):
     """A phrase.
 
-    parts: of each of its words the part it plays, as `shared.policies.phrase` numbers them.
+    parts: of each of its words the part it plays, as `shared.policies.reader.phrase` numbers them.
     act: what its frame asks for, one of `meant.ACTS`; "put" where the place tells the rest.
     meant: the command, "" for none that any robot here knows.
     """

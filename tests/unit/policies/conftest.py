@@ -4,7 +4,7 @@ import pytest
 
 from shared.goals.language.encoder import shared_encoder
 from shared.policies import checkpoint
-from shared.policies.reader import Reader, restore
+from shared.policies.reader.reader import Reader, restore
 
 
 @pytest.fixture(scope="session")

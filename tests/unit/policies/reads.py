@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from shared.messages.goal import LanguageGoal
 from shared.policies.low_level import LowLevel
-from shared.policies.reader import Reader
+from shared.policies.reader.reader import Reader
 from shared.workcell.objects import BODY_NAMES
 from shared.workcell.skills import COMMANDS
 from tests.unit.policies.scenes import senses

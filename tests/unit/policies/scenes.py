@@ -9,12 +9,12 @@ import torch
 from shared.messages.observation import Observation
 from shared.policies.examples import Examples
 from shared.policies.geometry import Geometry
-from shared.policies.likeness import FEATURES, Likeness
 from shared.policies.low_net import LowNet
-from shared.policies.phrase import words_of
-from shared.policies.reader import Reader
-from shared.policies.tagger import Tagger
-from shared.policies.teller import SMALL_WORDS, Linear, Teller
+from shared.policies.reader.likeness import FEATURES, Likeness
+from shared.policies.reader.phrase import words_of
+from shared.policies.reader.reader import Reader
+from shared.policies.reader.tagger import Tagger
+from shared.policies.reader.teller import SMALL_WORDS, Linear, Teller
 from shared.workcell import skills
 
 COMMANDS = ("pick up the cheese", "put it on the plate", "wait")

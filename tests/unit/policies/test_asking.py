@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from shared.policies import asking, clauses
-from shared.policies.phrase import ACT, CONTRAST, FILLER, PLACE, THING
-from shared.policies.reader import Reader
+from shared.policies.reader import asking, clauses
+from shared.policies.reader.phrase import ACT, CONTRAST, FILLER, PLACE, THING
+from shared.policies.reader.reader import Reader
 from shared.workcell.objects import BODY_NAMES, KITCHEN, TABLE
 from shared.workcell.skills import PUT_DOWN, PUT_IN_BIN, PUT_ON_PLATE, WAIT
 from tests.unit.policies.reads import read

@@ -9,7 +9,7 @@ import pytest
 from shared.errors import PolicyError
 from shared.goals.family import Floats
 from shared.goals.language.encoder import shared_encoder
-from shared.policies.reader import Reader
+from shared.policies.reader.reader import Reader
 from shared.workcell.objects import BODY_NAMES, KITCHEN, TABLE
 from shared.workcell.skills import COMMANDS, PUT_DOWN, PUT_IN_BIN, PUT_IN_TUB, PUT_ON_PLATE, WAIT
 from tests.unit.policies.reads import read

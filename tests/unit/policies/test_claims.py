@@ -5,9 +5,10 @@ import pytest
 
 from shared.goals.language.encoder import shared_encoder
 from shared.messages.goal import LanguageGoal
-from shared.policies import checkpoint, claims
+from shared.policies import checkpoint
 from shared.policies.low_level import LowLevel
-from shared.policies.lying import place_of
+from shared.policies.reader import claims
+from shared.policies.reader.lying import place_of
 from shared.workcell.objects import BIN, OBJECTS, PLATE, index
 from tests.unit.policies.reads import said
 from tests.unit.policies.scenes import gripping

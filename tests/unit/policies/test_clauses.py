@@ -7,10 +7,11 @@ import pytest
 
 from shared.goals.language.encoder import shared_encoder
 from shared.messages.goal import LanguageGoal
-from shared.policies import checkpoint, clauses, verbs
+from shared.policies import checkpoint
 from shared.policies.low_level import LowLevel
-from shared.policies.phrase import ACT, FILLER, PLACE, unlike
-from shared.policies.reader import Reader
+from shared.policies.reader import clauses, verbs
+from shared.policies.reader.phrase import ACT, FILLER, PLACE, unlike
+from shared.policies.reader.reader import Reader
 from shared.workcell.objects import BODY_NAMES, KITCHEN, TABLE, index
 from shared.workcell.skills import PUT_DOWN, PUT_IN_BIN, PUT_ON_PLATE, WAIT
 from tests.unit.policies.reads import read

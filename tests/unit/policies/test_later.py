@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from shared.policies import asking, clauses, later
-from shared.policies.reader import Reader
+from shared.policies.reader import asking, clauses, later
+from shared.policies.reader.reader import Reader
 from shared.workcell.objects import BODY_NAMES, TABLE
 from shared.workcell.skills import PUT_DOWN, PUT_IN_BIN, PUT_IN_TUB, WAIT
 from tests.unit.policies.reads import read

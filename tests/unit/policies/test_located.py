@@ -4,8 +4,9 @@ import pytest
 
 from shared.goals.language.encoder import shared_encoder
 from shared.messages.goal import LanguageGoal
-from shared.policies import checkpoint, located, ranked
+from shared.policies import checkpoint
 from shared.policies.low_level import LowLevel
+from shared.policies.reader import located, ranked
 from shared.workcell.objects import BIN, index
 from tests.unit.policies.reads import said, scene
 

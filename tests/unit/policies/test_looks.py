@@ -5,12 +5,13 @@ import pytest
 
 from shared.goals.language.encoder import shared_encoder
 from shared.messages.goal import LanguageGoal
-from shared.policies import checkpoint, looks
-from shared.policies.located import located
-from shared.policies.looks import Fit, alike, fitting
+from shared.policies import checkpoint
 from shared.policies.low_level import LowLevel
-from shared.policies.lying import cover_of, furthest
-from shared.policies.phrase import ACT, FILLER, THING
+from shared.policies.reader import looks
+from shared.policies.reader.located import located
+from shared.policies.reader.looks import Fit, alike, fitting
+from shared.policies.reader.lying import cover_of, furthest
+from shared.policies.reader.phrase import ACT, FILLER, THING
 from shared.workcell.objects import BODY_NAMES, HALF_HEIGHTS_M, OBJECT_NAMES, OBJECTS, TABLE, index
 from tests.unit.policies.reads import said, scene
 

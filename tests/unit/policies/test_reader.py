@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from shared.errors import PolicyError
-from shared.policies.likeness import FEATURES, Letters, Likeness
-from shared.policies.phrase import (
+from shared.policies.reader.likeness import FEATURES, Letters, Likeness
+from shared.policies.reader.phrase import (
     ACT,
     CONTRAST,
     FILLER,
@@ -15,8 +15,8 @@ from shared.policies.phrase import (
     take_apart,
     words_of,
 )
-from shared.policies.reader import restore
-from shared.policies.spelling import corrected
+from shared.policies.reader.reader import restore
+from shared.policies.reader.spelling import corrected
 from shared.workcell.objects import BODY_NAMES, KITCHEN
 from shared.workcell.skills import COMMANDS
 from tests.unit.policies import scenes

@@ -2,9 +2,9 @@
 
 import pytest
 
-from shared.policies.phrase import ACT, PLACE, THING, plain, take_apart, words_of
-from shared.policies.remarks import set_apart
-from shared.policies.spoken import unaccented, written
+from shared.policies.reader.phrase import ACT, PLACE, THING, plain, take_apart, words_of
+from shared.policies.reader.remarks import set_apart
+from shared.policies.reader.spoken import unaccented, written
 
 
 @pytest.mark.parametrize(

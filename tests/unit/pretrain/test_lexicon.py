@@ -4,7 +4,7 @@ import pytest
 
 from services.learner.pretrain.frames import frame_of
 from services.learner.pretrain.lexicon import FOLDS, Lexicon, exam, fold
-from shared.policies.meant import PLACES
+from shared.policies.reader.meant import PLACES
 from shared.workcell.objects import OBJECT_NAMES
 
 

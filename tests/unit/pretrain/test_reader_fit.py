@@ -9,7 +9,7 @@ from services.learner.pretrain.reading_exam import Examiner, ask
 from services.learner.pretrain.reading_figures import figures, table
 from services.learner.pretrain.tagger_fit import TaggerFitSettings, fit_tagger
 from shared.goals.language.encoder import shared_encoder
-from shared.policies.reader import Reader
+from shared.policies.reader.reader import Reader
 from shared.workcell.objects import BODY_NAMES, KITCHEN, TABLE
 from shared.workcell.skills import COMMANDS, PUT_DOWN, PUT_IN_BIN, PUT_IN_TUB, PUT_ON_PLATE, WAIT
 

@@ -12,7 +12,7 @@ from services.learner.pretrain.reading_exam import ask, everyday_questions
 from services.learner.pretrain.reading_figures import figures
 from shared.goals.language.encoder import shared_encoder
 from shared.policies import checkpoint
-from shared.policies.reader import restore
+from shared.policies.reader.reader import restore
 
 OPEN = tuple(writing.name for writing in writings() if not writing.held_out)
 IMPOSSIBLE = ", impossible"

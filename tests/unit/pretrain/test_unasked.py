@@ -5,7 +5,7 @@ import pytest
 from services.learner.pretrain.unasked import acted_out, unasked
 from shared.goals.language.encoder import shared_encoder
 from shared.policies import checkpoint
-from shared.policies.reader import Reader, restore
+from shared.policies.reader.reader import Reader, restore
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ from services.learner.pretrain.lexicon import exam
 from services.learner.pretrain.reader_fit import drawn
 from services.learner.pretrain.unheard import unheard_phrases, unheard_refusals
 from services.learner.pretrain.words import Speaker
-from shared.policies.phrase import CONTRAST, FILLER, PLACE, THING, take_apart, words_of
+from shared.policies.reader.phrase import CONTRAST, FILLER, PLACE, THING, take_apart, words_of
 from shared.workcell.skills import COMMANDS, PUT_IN_BIN
 
 KNOWN = exam()[0]

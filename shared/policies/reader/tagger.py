@@ -13,7 +13,7 @@ from torch.nn.utils.rnn import pack_padded_sequence, pad_packed_sequence, pad_se
 
 from shared.goals.family import Floats
 from shared.policies.checkpoint import Tensors
-from shared.policies.phrase import PARTS
+from shared.policies.reader.phrase import PARTS
 
 DROPOUT = 0.3
 

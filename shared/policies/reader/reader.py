@@ -17,18 +17,18 @@ from numpy.typing import NDArray
 
 from shared.errors import PolicyError
 from shared.goals.family import Floats
-from shared.policies import tagger, teller
 from shared.policies.checkpoint import Tensors
-from shared.policies.claims import put_on
-from shared.policies.clauses import EXCLUDES, judged
 from shared.policies.examples import as_bytes, as_texts
-from shared.policies.located import arm_of, located
-from shared.policies.looks import (
+from shared.policies.reader import tagger, teller
+from shared.policies.reader.claims import put_on
+from shared.policies.reader.clauses import EXCLUDES, judged
+from shared.policies.reader.located import arm_of, located
+from shared.policies.reader.looks import (
     KINDS,
     as_things,
     fitting,
 )
-from shared.policies.meant import (
+from shared.policies.reader.meant import (
     LEAST_ACT,
     PUTS,
     THINGS,
@@ -37,7 +37,7 @@ from shared.policies.meant import (
     Taken,
     excluded,
 )
-from shared.policies.phrase import (
+from shared.policies.reader.phrase import (
     THING,
     Parts,
     plain,
@@ -45,12 +45,12 @@ from shared.policies.phrase import (
     take_apart,
     words_of,
 )
-from shared.policies.remarks import set_apart
-from shared.policies.spelling import corrected
-from shared.policies.spoken import written
-from shared.policies.tagger import Tagger
-from shared.policies.teller import Teller, softmax
-from shared.policies.weighed import Scale
+from shared.policies.reader.remarks import set_apart
+from shared.policies.reader.spelling import corrected
+from shared.policies.reader.spoken import written
+from shared.policies.reader.tagger import Tagger
+from shared.policies.reader.teller import Teller, softmax
+from shared.policies.reader.weighed import Scale
 
 NEAREST = 3
 REMEMBERED = 4096

@@ -2,7 +2,7 @@
 
 import re
 
-from shared.policies.phrase import words_of
+from shared.policies.reader.phrase import words_of
 
 
 def _any(*words: str) -> re.Pattern[str]:

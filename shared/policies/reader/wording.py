@@ -3,8 +3,8 @@
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
-from shared.policies.phrase import ACT, ARTICLES, DETERMINERS, PLACE, POINTING, THING
-from shared.policies.verbs import verb_of
+from shared.policies.reader.phrase import ACT, ARTICLES, DETERMINERS, PLACE, POINTING, THING
+from shared.policies.reader.verbs import verb_of
 
 
 class Words(NamedTuple):

@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from shared.goals.family import Floats
-from shared.policies import likeness
 from shared.policies.checkpoint import Tensors
-from shared.policies.likeness import Likeness
+from shared.policies.reader import likeness
+from shared.policies.reader.likeness import Likeness
 
 SMALL_WORDS = (
     "not", "don't", "do", "never", "no", "up", "down", "back", "away", "off", "out", "on", "in",

@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shared.goals.family import Floats
-from shared.policies.located import PIECE
-from shared.policies.looks import Fit, fitting
-from shared.policies.phrase import Parts, likened, unlike
-from shared.policies.teller import softmax
+from shared.policies.reader.located import PIECE
+from shared.policies.reader.looks import Fit, fitting
+from shared.policies.reader.phrase import Parts, likened, unlike
+from shared.policies.reader.teller import softmax
 
 ACTS = ("pick", "put", "plate", "bin", "tub", "down", "wait", "refuse")
 """What a phrase may ask for; to put something somewhere is told further by the place."""

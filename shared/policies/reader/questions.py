@@ -2,9 +2,9 @@
 
 import re
 
-from shared.policies.phrase import ACT, CONTRAST, FILLER, PARTS, PLACE, THING, words_of
-from shared.policies.verbs import PUT
-from shared.policies.wording import Words
+from shared.policies.reader.phrase import ACT, CONTRAST, FILLER, PARTS, PLACE, THING, words_of
+from shared.policies.reader.verbs import PUT
+from shared.policies.reader.wording import Words
 
 _AUXILIARY = frozenset(words_of("is are was were did does has had am do have should shall"))
 SUBJECTS = frozenset(words_of("i we you they he she it that this the there"))

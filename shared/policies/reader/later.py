@@ -8,10 +8,10 @@ the like are courtesy: acts follow one another anyway.
 import re
 from collections.abc import Sequence
 
-from shared.policies.phrase import PARTS
-from shared.policies.remarks import is_remark
-from shared.policies.verbs import HOLD, PICK, PUT, WAIT
-from shared.policies.wording import Words
+from shared.policies.reader.phrase import PARTS
+from shared.policies.reader.remarks import is_remark
+from shared.policies.reader.verbs import HOLD, PICK, PUT, WAIT
+from shared.policies.reader.wording import Words
 
 LATER = "is to be done later or on a sign, and what is said is done at once: say it when it is time"
 HANGS = "hangs on something that no robot here can judge: look, and say what is to be done"

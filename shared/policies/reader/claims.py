@@ -7,9 +7,9 @@ right before a noun, or after "that is", must be one that the thing has.
 import re
 from collections.abc import Sequence
 
-from shared.policies.looks import LOOKS
-from shared.policies.phrase import PLACES_OF, words_of
-from shared.policies.verbs import PUT, verb_of
+from shared.policies.reader.looks import LOOKS
+from shared.policies.reader.phrase import PLACES_OF, words_of
+from shared.policies.reader.verbs import PUT, verb_of
 
 _OTHER_COLOURS = (
     "orange black grey gray silver beige turquoise violet cyan magenta navy maroon teal"

@@ -12,11 +12,11 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from shared.goals.language.encoder import WORD
-from shared.policies.looks import ANYTHING, KINDS, NAMES
-from shared.policies.phrase import words_of
-from shared.policies.ranked import A_HEAD, DET, HEADS, puts, tidy, unranked
-from shared.policies.remarks import INTERJECTIONS
-from shared.policies.verbs import PICK, PUT, WAIT, verb_of
+from shared.policies.reader.looks import ANYTHING, KINDS, NAMES
+from shared.policies.reader.phrase import words_of
+from shared.policies.reader.ranked import A_HEAD, DET, HEADS, puts, tidy, unranked
+from shared.policies.reader.remarks import INTERJECTIONS
+from shared.policies.reader.verbs import PICK, PUT, WAIT, verb_of
 
 BOTH = "names two sides or two things by their sides: one thing at a time, by one side"
 BARE = "names a side and no thing: say what lies there, 'the dish on the left'"

@@ -6,7 +6,7 @@ from itertools import groupby
 from typing import NamedTuple
 
 from shared.goals.language.encoder import WORD
-from shared.policies.spoken import unaccented
+from shared.policies.reader.spoken import unaccented
 
 FILLER, ACT, THING, PLACE, CONTRAST = PARTS = range(5)
 """Courtesy, protest and where a thing lies; what to do; what with; where to; a thing not meant."""

@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from shared.policies.phrase import words_of
+from shared.policies.reader.phrase import words_of
 
 _STOPS = re.compile(r"[,.;:!?]+\s+|\s+-+\s+|\s+(?=so (?!that))")
 INTERJECTIONS = frozenset(

@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
-from shared.policies.marks import (
+from shared.policies.reader.marks import (
     ACTED,
     ADVERB,
     ASKING,
@@ -30,10 +30,10 @@ from shared.policies.marks import (
     UNCHANGED,
     VERBAL,
 )
-from shared.policies.phrase import ACT, CONTRAST, DETERMINERS, FILLER, THING
-from shared.policies.remarks import INTERJECTIONS
-from shared.policies.verbs import PICK, PUT, WAIT, verb_of
-from shared.policies.wording import Words
+from shared.policies.reader.phrase import ACT, CONTRAST, DETERMINERS, FILLER, THING
+from shared.policies.reader.remarks import INTERJECTIONS
+from shared.policies.reader.verbs import PICK, PUT, WAIT, verb_of
+from shared.policies.reader.wording import Words
 
 TELLS = "forbids something, or tells how things are or were, and asks for nothing: say what to do"
 _ONE = frozenset(("one", "ones", "thing", "object"))

@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shared.goals.family import Floats
-from shared.policies.claims import belied, belies
-from shared.policies.clauses import AGAINST
-from shared.policies.located import ARM, SIDED
-from shared.policies.looks import NAMES, NOTHING, Fit, alike, among
-from shared.policies.meant import LEAST_ACT, PLACES, PUTS, THINGS, WAIT_ROW, Reading, Taken
-from shared.policies.ranked import RANKED
+from shared.policies.reader.claims import belied, belies
+from shared.policies.reader.clauses import AGAINST
+from shared.policies.reader.located import ARM, SIDED
+from shared.policies.reader.looks import NAMES, NOTHING, Fit, alike, among
+from shared.policies.reader.meant import LEAST_ACT, PLACES, PUTS, THINGS, WAIT_ROW, Reading, Taken
+from shared.policies.reader.ranked import RANKED
 
 LEAST_NAME = 0.3
 """A thing or place that is named is refused where it is less probable."""

@@ -11,12 +11,12 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from shared.goals.language.encoder import WORD
-from shared.policies.asking import TELLS, is_idle, only_holds, tells_state
-from shared.policies.claims import WAS, was_there
-from shared.policies.later import put_off
-from shared.policies.located import SIDE
-from shared.policies.patterns import ALONE, BESIDE, MANY, OFF, SIDES
-from shared.policies.phrase import (
+from shared.policies.reader.asking import TELLS, is_idle, only_holds, tells_state
+from shared.policies.reader.claims import WAS, was_there
+from shared.policies.reader.later import put_off
+from shared.policies.reader.located import SIDE
+from shared.policies.reader.patterns import ALONE, BESIDE, MANY, OFF, SIDES
+from shared.policies.reader.phrase import (
     ACT,
     CONTRAST,
     FILLER,
@@ -25,9 +25,9 @@ from shared.policies.phrase import (
     THING,
     words_of,
 )
-from shared.policies.questions import SUBJECTS, asks
-from shared.policies.verbs import MOVE, PICK, PUT, WAIT
-from shared.policies.wording import Words
+from shared.policies.reader.questions import SUBJECTS, asks
+from shared.policies.reader.verbs import MOVE, PICK, PUT, WAIT
+from shared.policies.reader.wording import Words
 
 FORBIDS = "forbids something, and a prohibition can't be obeyed: say what to do instead"
 ASKS = "is a question: say what is to be done"

@@ -5,9 +5,9 @@ Nobody here counts or compares: what remains must be one thing by itself.
 
 import re
 
-from shared.policies.looks import ANYTHING, KINDS, NAMES
-from shared.policies.phrase import words_of
-from shared.policies.verbs import PUT, verb_of
+from shared.policies.reader.looks import ANYTHING, KINDS, NAMES
+from shared.policies.reader.phrase import words_of
+from shared.policies.reader.verbs import PUT, verb_of
 
 RANKED = "ranks things or tells them by what lies beside, and only names, colours and sides count"
 HEADS = frozenset((*NAMES, *KINDS, *ANYTHING))

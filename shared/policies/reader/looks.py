@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shared.goals.family import Floats
-from shared.policies.phrase import ACT, ARTICLES, DETERMINERS, THING, words_of
-from shared.policies.verbs import PICK, verb_of
+from shared.policies.reader.phrase import ACT, ARTICLES, DETERMINERS, THING, words_of
+from shared.policies.reader.verbs import PICK, verb_of
 
 NOTHING = "names nothing that is in the scene"
 LEAD = 0.05
