@@ -95,4 +95,4 @@ export function watchLifted({ type, correction: view }) {
 }
 
 const fresh = ({ phrase, learned_in }) =>
-  phrase && !phrase.known && !learned_in ? " · new to the policy" : "";
+  phrase && !phrase.known && !learned_in ? " · new to the low level" : "";
