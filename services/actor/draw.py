@@ -21,7 +21,7 @@ from services.actor.kinds import make_robot
 from shared.errors import NoAnswerError
 from shared.rollout.robot import Photographer
 
-NICE = 5  # Below the robots: they first, whoever looks gets what is left.
+NICE = 10  # Below the robots: they first. Lower, hardly a picture comes where all is busy.
 AGAIN_S = 5.0  # From one start to the next: a machine that can't draw isn't kept busy with trying.
 
 
@@ -83,7 +83,7 @@ class Drawer:
             [sys.executable, "-m", "services.actor.draw", self._robots],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
-            start_new_session=True,  # Ctrl-C is for the actor, which ends it.
+            process_group=0,  # Ctrl-C is for the actor. Niceness may count within a session alone.
         )
         return self._child
 

@@ -119,7 +119,7 @@ class HelpQueue(View):
 
 
 class Phrase(View):
-    """Whether the newest policy knows a command. An unknown one is obeyed, too, and is learned.
+    """Whether the low level knows a command, word for word; one that is new may be obeyed, too.
 
     nearest: the commands that it knows and that are spelt most alike.
     """

@@ -70,7 +70,7 @@ export function standing(corrections, decisions) {
       kind: said.kind,
       text: (last("edit", said.id) ?? said).goal?.text ?? null,
       span: moved.first_step === null ? null : [moved.first_step, moved.end_step],
-      begun: begun(said, decisions),
+      begun: earlier(begun(said, decisions), heard(view)),
       seen: said.seen_step,
       inForce: view.receipt?.step ?? null,
       retracted: retracted.has(said.id),
@@ -79,6 +79,15 @@ export function standing(corrections, decisions) {
 }
 
 const target = ({ correction }) => correction.target;
+
+/** The step at which the robot heard it, where it was about what the robot did just then. */
+function heard({ correction, receipt }) {
+  const { target: amended, first_step: first } = correction;
+  return receipt?.accepted && amended === null && first === null ? receipt.step : Infinity;
+}
+
+/** Nobody begins to speak after they were heard; a robot that waits has no steps meanwhile. */
+const earlier = (begun, heard) => (begun === null ? null : Math.min(begun, heard));
 
 /** The step at which somebody began to speak, between the decisions by whose times it is known. */
 export function begun({ begun_ns: at }, decisions) {

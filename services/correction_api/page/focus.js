@@ -1,8 +1,8 @@
 // The robot in focus: what it sees, what it does, who chose that, and what it did so far.
 import { Component, html } from "./html.js";
 import { Picture } from "./pictures.js";
-import { callOf, others } from "./store.js";
-import { doing, doubt } from "./words.js";
+import { callOf, others, state } from "./store.js";
+import { doing, doubt, works } from "./words.js";
 
 const SPANS = 8;
 const TOLD = 64; // So many commands of an episode the service tells, and no earlier ones.
@@ -26,6 +26,7 @@ export class Focus extends Component {
         <${Title} robot=${robot} />
         <div class="sight">
           <div class="pictures">
+            <p class="blank">${blank(robot)}</p>
             <${Picture} key=${`${name}/angle`} robot=${name} camera="angle" rate="full" turn=${turn} />
             <${Picture} key=${`${name}/top`} robot=${name} camera="top" rate="full" turn=${turn} />
             ${state === "paused" && html`<p class="stopped">Frozen</p>`}
@@ -36,6 +37,14 @@ export class Focus extends Component {
       </section>
     `;
   }
+}
+
+/** Why there is no picture, as long as there is none. */
+function blank({ robot, presence, episode }) {
+  if (presence !== "online") return `No picture came from ${robot}, which is ${presence}.`;
+  if (episode) return `The first picture of ${robot} is on its way.`;
+  const rests = `${robot} is between two episodes: its picture comes with the next one`;
+  return works(state.learner) ? `${rests}. It may wait for the version that the learner makes.` : `${rests}.`;
 }
 
 function Title({ robot }) {

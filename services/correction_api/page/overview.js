@@ -5,7 +5,7 @@ import { Head } from "./head.js";
 import { html } from "./html.js";
 import { aria, keyOf, shown } from "./keymap.js";
 import { state } from "./store.js";
-import { count } from "./words.js";
+import { count, works } from "./words.js";
 
 export function Overview() {
   const told = html`
@@ -33,11 +33,10 @@ function Learner({ learner }) {
     return html`<p class="learner"><span class="doing idle">no learner heard of</span></p>`;
   }
   const does = learner.presence === "online" ? learner.state : learner.presence;
-  const works = ["training", "judging"].includes(does);
   return html`
     <p class="learner" title=${learner.reason}>
       <span class=${`doing ${does}`}>learner ${does}</span>
-      ${works && html`<progress max="1" value=${learner.progress} aria-label=${does} />`}
+      ${works(learner) && html`<progress max="1" value=${learner.progress} aria-label=${does} />`}
       <span class="facts">version <b>${learner.version}</b></span>
       <span class="facts">· ${count(learner.corrections, "correction")} since</span>
       ${learner.outbox > 0 && html`<span class="facts">· ${learner.outbox} wait</span>`}

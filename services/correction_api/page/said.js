@@ -3,9 +3,7 @@ import { mine, takeBack, takenBack } from "./actions.js";
 import { html } from "./html.js";
 import { lesson } from "./lineage.js";
 import { author, state, tell } from "./store.js";
-import { named, namedAmong, overruled, over, standing } from "./words.js";
-
-const clock = (ms) => new Date(ms).toLocaleTimeString([], { hour12: false });
+import { clock, named, namedAmong, overruled, over, standing } from "./words.js";
 
 export function Said({ robot }) {
   const gone = takenBack();
@@ -95,4 +93,4 @@ export function watchLifted({ type, correction: view }) {
 }
 
 const fresh = ({ phrase, learned_in }) =>
-  phrase && !phrase.known && !learned_in ? " · new to the policy" : "";
+  phrase && !phrase.known && !learned_in ? " · new to the low level" : "";

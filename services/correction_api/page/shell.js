@@ -65,7 +65,7 @@ export const told = (share) =>
   `${percent(share.share)}${share.low === null ? "" : ` (${Math.round(100 * share.low)} to ${Math.round(100 * share.high)})`}, n = ${share.n}`;
 
 export const when = (ns) =>
-  new Date(ns / 1e6).toLocaleString([], { dateStyle: "medium", timeStyle: "short" });
+  new Date(ns / 1e6).toLocaleString([], { dateStyle: "medium", timeStyle: "short", hourCycle: "h23" });
 
 /** Do something now and then while the page can be seen, and is let in. */
 export function every(seconds, work) {

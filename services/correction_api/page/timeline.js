@@ -118,10 +118,10 @@ export class Timeline extends Component {
               <path class="hatch" d="M0 6 6 0" />
             </pattern>
           </defs>
+          <${Axis} ...${{ steps, x, width }} />
           ${ROWS.map(
             ([name, text]) => html`<text class="row" x="0" y=${TOP[name] - 4}>${text}</text>`,
           )}
-          <${Axis} ...${{ steps, x, width }} />
           <${Commands} ...${{ episode, x }} />
           <${Proposals} ...${{ decisions, steps, x }} />
           <${Doubt} ...${{ decisions, calls: episode.account.calls, steps, x }} />

@@ -139,6 +139,9 @@ export function idOf(name) {
 
 export const percent = (score) => (score < 0.005 ? "0 %" : `${Math.round(100 * score)} %`);
 
+/** The time of day; midnight is 00:00:00. */
+export const clock = (ms) => new Date(ms).toLocaleTimeString([], { hourCycle: "h23" });
+
 const MINUTES_FROM_S = 120;
 
 /** What a robot does, in a word or two; heardMs: when that was told, by this page's clock. It is told
@@ -149,6 +152,10 @@ export const doing = ({ presence, state, age_s, heardMs }) => {
   if (silent_s < MINUTES_FROM_S) return `${presence} for ${Math.round(silent_s)} s`;
   return `${presence} for ${Math.floor(silent_s / 60)} min`;
 };
+
+/** Whether the learner makes a version just now. */
+export const works = (learner) =>
+  learner?.presence === "online" && ["training", "judging"].includes(learner.state);
 
 /** Which robot one has gone to, and why that may need one, or else what it does. */
 export const arrived = (robot, call) =>

@@ -27,7 +27,7 @@ def reports(parts: PartsDep) -> Reports:
 
 @router.get(
     "/reports/{name}",
-    summary="What an experiment measured: horizon or transitions",
+    summary="What an experiment measured: horizon, replanning or transitions",
     responses={200: answered(examples.REPORT, "Its report.json"), **described(404, 422)},
 )
 def report(parts: PartsDep, name: str) -> dict[str, Any]:

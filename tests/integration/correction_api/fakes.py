@@ -288,12 +288,12 @@ class FakeLearner:
         for serving in self._serving:
             serving.close()
 
-    def beat(self) -> None:
+    def beat(self, state: LearnerState = LearnerState.COLLECTING) -> None:
         """Give a sign of life."""
         heartbeat = LearnerHeartbeat(
             learner="learner-1",
             time_ns=time.time_ns(),
-            state=LearnerState.COLLECTING,
+            state=state,
             version=Version(1, 0),
             round=0,
             corrections=3,

@@ -165,14 +165,18 @@ def test_the_player_tells_what_a_person_said_at_a_decision(
         robot.deaf = True  # It stands at its first decision until somebody has spoken.
         decision = robot.decide()
         robot.bus.ask(robot_key(FLEET, robot.name, "decision"), encode(decision), timeout_s=5)
-        api.post(SAID, json={"kind": "override", "text": "wait"}).raise_for_status()
-        eventually(lambda: robot.receipts)
+        late = decision.time_ns + 2_000_000_000  # A robot in lockstep waits for so long.
+        words = {"kind": "override", "text": "wait", "begun_ns": late}
+        api.post(SAID, json=words).raise_for_status()
+        (receipt,) = eventually(lambda: robot.receipts).values()
         robot.step, robot.deaf = robot.step + 20, False
         over = attempt(api, robot)
         with opened(browser, api, path=f"episode.html?id={over.id}") as page:
             told = page.locator(".moment .caption-of")
             expect(told.first.locator("q")).to_have_text(COMMANDS[0])
             expect(told.last).to_have_text("wait✎ what a person said instead, in force at once")
+            steps = f"began {receipt.step}, in force {receipt.step}"
+            expect(page.locator("tr[data-correction]")).to_contain_text(steps)
             page.keyboard.press(".")
             expect(told).to_have_count(1)
             expect(told.locator("q")).to_have_text("wait")

@@ -156,6 +156,7 @@ def test_a_new_phrase_is_marked_as_new_and_the_nearest_known_ones_stand_beside_i
     assert told.goal is not None
     assert (told.goal.text, told.hold_steps) == ("<b>seize</b> the yellow slice", 250)
     expect(page.locator(".caption q")).to_have_text("<b>seize</b> the yellow slice")
+    expect(said(page).first).to_contain_text("new to the low level")
 
 
 def test_a_phrase_that_would_be_refused_says_why_and_a_click_takes_a_near_one(

@@ -41,6 +41,18 @@ def test_on_a_phone_one_sees_the_robot_and_both_stops_while_one_chooses(
             assert [page.locator(one).evaluate(UNCOVERED) for one in seen] == [True] * 4
 
 
+def test_on_a_phone_with_bars_two_proposals_and_both_stops_are_in_view_before_one_scrolls(
+    browser: Browser, crowd: httpx.Client
+) -> None:
+    with desk(browser, crowd, (PHONE[0], 664)) as page:
+        page.locator(".pictures canvas.angle.drawn").wait_for()
+        assert page.evaluate("scrollY") == 0
+        seen = [".title", ".pictures", ".caption", ".freeze-all", ".verdicts .freeze", ".line"]
+        assert [page.locator(one).evaluate(UNCOVERED) for one in seen] == [True] * len(seen)
+        for choice in page.locator(".proposal").all()[:2]:
+            assert choice.evaluate(UNCOVERED)
+
+
 def test_on_a_phone_one_sees_the_robot_and_all_that_fits_while_one_types(
     browser: Browser, crowd: httpx.Client
 ) -> None:

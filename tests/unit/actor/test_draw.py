@@ -1,11 +1,12 @@
 """Pictures that another process draws."""
 
+import os
 import time
 
 import numpy as np
 import pytest
 
-from services.actor.draw import Drawer
+from services.actor.draw import NICE, Drawer
 from shared.errors import NoAnswerError
 from shared.workcell.station import Station
 
@@ -46,6 +47,17 @@ def test_a_process_that_died_is_started_again_in_a_while(drawer):
             time.sleep(0.05)
     assert np.array_equal(first, again)
     robot.close()
+
+
+def test_who_draws_yields_to_the_robots_in_their_session_and_is_not_ended_with_them(drawer):
+    robot = Station("far")
+    robot.reset(1, "sandwich", None)
+    drawer.picture(robot.snapshot(), "top", 64, 64)
+    robot.close()
+    child = drawer._child.pid
+    assert os.getpriority(os.PRIO_PROCESS, child) == min(19, os.nice(0) + NICE)
+    assert os.getsid(child) == os.getsid(0)
+    assert os.getpgid(child) == child
 
 
 def test_who_draws_nothing_more_says_so(drawer):
