@@ -152,6 +152,7 @@ def tell_round(row: Row) -> RoundTold:
         labels=figures.get("labels"),
         held_out=_agreed(figures, "held_out", ""),
         retained=_agreed(figures, "retained", "retained_"),
+        unjudged=figures.get("unjudged", ""),
         trials=_tried(trials),
         trials_p=trials.get("p"),
         seconds=figures.get("seconds"),

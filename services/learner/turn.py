@@ -163,9 +163,9 @@ class Turn:
             self._conclude(verdict)
 
     def _conclude(self, verdict: Verdict) -> None:
-        if verdict.figures:
-            figures = {**self.round.figures, "trials": verdict.figures}
-            self.round = self.round.model_copy(update={"figures": figures})
+        found = {"trials": verdict.figures, "unjudged": verdict.unjudged}
+        figures = {**self.round.figures, **{name: one for name, one in found.items() if one}}
+        self.round = self.round.model_copy(update={"figures": figures})
         if not verdict.passed:
             self._end(RoundState.REFUSED, verdict.reason)
             return

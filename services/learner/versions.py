@@ -54,8 +54,8 @@ def list_versions(data: Data = Path("runs/up"), report: Report = None) -> None:
     console = Console()
     console.print(_table(versions, rounds))
     for round_ in rounds:
-        if round_.reason:
-            console.print(f"round {round_.number}: {round_.reason}", markup=False)
+        if told := round_.reason or round_.figures.get("unjudged"):
+            console.print(f"round {round_.number}: {told}", markup=False)
     for answer in answers:
         if answer.ruling.verb in (Verb.PROMOTE, Verb.ROLLBACK):
             console.print(_ruled(answer), markup=False)

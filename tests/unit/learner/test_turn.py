@@ -78,6 +78,50 @@ def outcome(order: TrialOrder, success: bool) -> TrialResult:
     )
 
 
+# -- labels
+
+
+def judged_by_few(bench: Bench, gate: GateSettings) -> Bench:
+    """A learner whose first candidate had fewer labels held out than it takes to be judged."""
+    bench.restart(gate)
+    bench.happens("e-1")
+    bench.beat()
+    bench.trainer.outcome = bench.candidate(held_out=3)
+    bench.beat()
+    return bench
+
+
+def test_a_candidate_that_nothing_could_judge_stays_here_until_somebody_promotes_it(
+    bench: Bench,
+) -> None:
+    judged_by_few(bench, GateSettings())
+    (round_,) = bench.store.rounds()
+    assert round_.state is RoundState.REFUSED
+    assert round_.reason.startswith("held out 3 labels, needs 20: not judged; corrections go on")
+    assert round_.figures["unjudged"] == "held out 3 labels, needs 20: not judged"
+    assert str(bench.announced().version) == "2.0"
+    rule(bench, verb=Verb.PROMOTE, round=1)
+    assert str(bench.announced().version) == "2.1"
+
+
+def test_what_goes_out_unjudged_by_setting_has_that_on_record(bench: Bench) -> None:
+    judged_by_few(bench, GateSettings(unjudged="let-out"))
+    (round_,) = bench.store.rounds()
+    assert round_.state is RoundState.PASSED
+    assert "not judged" in round_.figures["unjudged"]
+    assert str(bench.announced().version) == "2.1"
+
+
+def test_where_labels_are_too_few_trials_judge_and_the_record_says_both(bench: Bench) -> None:
+    judged_by_few(bench, TRIALS)
+    assert bench.state() is LearnerState.JUDGING
+    Evaluator(bench).work(better=True)
+    bench.beat()
+    (round_,) = bench.store.rounds()
+    assert (round_.state, round_.figures["trials"]["candidate"]["n"]) == (RoundState.PASSED, PAIRS)
+    assert "not judged" in round_.figures["unjudged"]
+
+
 # -- trials
 
 
