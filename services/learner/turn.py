@@ -188,14 +188,31 @@ class Turn:
             return
         self._looked_ns, waited_s = now, (now - self._began_ns) / 1e9
         mine = [one for one in store.episodes_under(number) if one.robot in self._settings.robots]
-        before = store.episodes_under(self._in_force.number)
-        reason = canary.judge(mine, before, waited_s, self._settings)
+        before = [one for alike in self._same_weights() for one in store.episodes_under(alike)]
+        finding = canary.judge(mine, before, waited_s, self._settings)
         first = store.version(number)
         assert first is not None  # Kept together with the round's stage.
-        if reason == "":
+        if not finding.over:
+            self._wait_for(finding.reason)
+        elif finding.reason:
+            self._take_back(finding.reason)
+        else:
             self._admit(first.model_copy(update={"robots": (), "epoch": self._epoch}))
-        elif reason is not None:
-            self._take_back(reason)
+
+    def _same_weights(self) -> list[int]:
+        """All numbers of the version in force: one that was put back has episodes under another."""
+        alike = (
+            one
+            for one in self._parts.store.versions()
+            if (one.tensors, one.bank) == (self._in_force.tensors, self._in_force.bank)
+        )
+        return [one.number for one in alike]
+
+    def _wait_for(self, reason: str) -> None:
+        """Have on record what a running round waits for."""
+        if reason != self.round.reason:
+            self.round = self.round.model_copy(update={"reason": reason})
+            self._parts.store.advance(self.round)
 
     def _go_on_watching(self, number: int) -> None:
         first = self._parts.store.version(number)
