@@ -37,6 +37,8 @@ class GateSettings(Settings):
     unjudged: what becomes of a candidate that so few labels can't judge, where no `trials` do:
         refuse: it stays here, and a later round has more to judge by; let-out: it goes out.
     max_fall: by which the agreement with them may fall, against the version in force.
+    chance: a version in force that is wrong about most of them has to be bettered, with McNemar's p
+        at most this: what learned nothing where people spoke agrees no less. 1: it need not be.
     retained: demonstrated decisions that no round replays, to see what is forgotten. max_forgotten:
         by which the agreement with those may fall, against the version in force.
     trials: episodes in simulation. canary: robots that run it first.
@@ -46,6 +48,7 @@ class GateSettings(Settings):
     at_least: Annotated[int, Field(ge=1)] = 20
     unjudged: Literal["refuse", "let-out"] = "refuse"
     max_fall: Annotated[float, Field(ge=0, le=1)] = 0.05
+    chance: Annotated[float, Field(gt=0, le=1)] = 0.05
     retained: Annotated[int, Field(ge=0, le=10_000)] = 200
     max_forgotten: Annotated[float, Field(ge=0, le=1)] = 0.1
     trials: TrialSettings = TrialSettings()
@@ -58,7 +61,7 @@ class Figures(BaseModel):
     labels, held_out: decisions that it learned from, and that it kept aside.
     labels_sha256: over all of both, so that a rebuilt data set can be held against it.
     before, after: share of the held-out labels that the version in force and the candidate
-        propose first; None where nothing was held out.
+        propose first, in whatever words; None where nothing was held out. p: McNemar's, of both.
     retained: demonstrated decisions that were kept aside; retained_before, retained_after: the
         share of them that both propose rightly.
     unread: phrases that people said of the past and that the low level understands no command in;
@@ -76,6 +79,7 @@ class Figures(BaseModel):
     seconds: float
     before: float | None = None
     after: float | None = None
+    p: float | None = None
     retained: int = 0
     retained_before: float | None = None
     retained_after: float | None = None
@@ -197,7 +201,20 @@ class LabelGate:
     def _worse(self, figures: Figures) -> str:
         """Why it agrees too little with what people said; "" if it doesn't."""
         fall = figures.before, figures.after, self._settings.max_fall
-        return _fallen(f"{figures.held_out} held-out labels", *fall)
+        return _fallen(f"{figures.held_out} held-out labels", *fall) or self._no_better(figures)
+
+    def _no_better(self, figures: Figures) -> str:
+        """Why it has learned too little, where there was most to learn; "" if it has enough."""
+        before, after, p, most = figures.before, figures.after, figures.p, self._settings.chance
+        if before is None or after is None or p is None or before >= 0.5 or most == 1:
+            return ""
+        if after > before and p <= most:
+            return ""
+        return (
+            f"it agrees with {after:.3f} of {figures.held_out} held-out labels, the version in "
+            f"force with {before:.3f}: who follows one that is wrong about most of them has to be "
+            f"right more often by more than chance (p = {p:.2f}; gate.chance={most})"
+        )
 
     def _forgot(self, figures: Figures) -> str:
         """Why it has forgotten too much of what was demonstrated; "" if it hasn't."""

@@ -17,6 +17,7 @@ def candidate(
     held_out: int = 40,
     finite: bool = True,
     retained: float | None = None,
+    p: float | None = None,
 ) -> Candidate:
     figures = Figures(
         labels=90,
@@ -24,6 +25,7 @@ def candidate(
         held_out=held_out,
         before=before,
         after=after,
+        p=p,
         loss=1.0,
         finite=finite,
         seconds=1.0,
@@ -55,6 +57,26 @@ def test_a_candidate_passes_unless_it_broke_or_agrees_less(made: Candidate, pass
     verdict = GATE.judge(made)
     assert verdict.passed is passed
     assert bool(verdict.reason) is not passed
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "p", "passed"),
+    [
+        (0.31, 0.38, 0.69, False),
+        (0.33, 0.74, 0.0001, True),
+        (0.33, 0.31, 0.01, False),
+        (0.5, 0.5, 1.0, True),
+        (0.2, 0.3, None, True),  # Trained before this was told.
+    ],
+)
+def test_who_follows_one_that_is_wrong_about_most_has_to_be_better_by_more_than_chance(
+    before: float, after: float, p: float | None, passed: bool
+) -> None:
+    made = candidate(before, after, p=p)
+    verdict = GATE.judge(made)
+    assert verdict.passed is passed
+    assert passed or "by more than chance" in verdict.reason
+    assert LabelGate(GateSettings(chance=1.0)).judge(made).passed
 
 
 def test_a_refusal_tells_both_figures() -> None:
