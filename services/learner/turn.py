@@ -12,6 +12,7 @@ import structlog
 
 from services.learner import canary
 from services.learner.collect import Collector
+from services.learner.descent import descent
 from services.learner.frozen import FrozenLowLevel
 from services.learner.gate import Candidate, Gate, Verdict
 from services.learner.lessons import Lessons
@@ -176,7 +177,7 @@ class Turn:
             return
         first = made.model_copy(update={"robots": self._settings.robots})
         self._parts.store.advance(self.round, first)
-        self._parts.publisher.publish(first, self._epoch, self.round)
+        self._publish(first)
         self._began_ns = self._parts.clock.monotonic_ns()
         self._step = self._watch
 
@@ -217,20 +218,24 @@ class Turn:
     def _go_on_watching(self, number: int) -> None:
         first = self._parts.store.version(number)
         assert first is not None  # Kept together with the round's stage.
-        self._parts.publisher.publish(first, self._epoch, self.round)
+        self._publish(first)
         self._step = self._watch
 
     def _admit(self, made: PolicyRecord) -> None:
         self._end(RoundState.PASSED, "", made)
         self.made = made
-        self._parts.publisher.publish(made, self._epoch, self.round)
+        self._publish(made)
 
     def _take_back(self, reason: str) -> None:
         """The robots that went first go back, by a version of the former weights."""
         back = again(self._in_force, self._parts, self._epoch)
         self._end(RoundState.REFUSED, reason, back)
         self.made = back
-        self._parts.publisher.publish(back, self._epoch)
+        self._publish(back)
+
+    def _publish(self, record: PolicyRecord) -> None:
+        came_of = descent(record, self._parts.store)
+        self._parts.publisher.publish(record, self._epoch, came_of)
 
     # -- its end
 
