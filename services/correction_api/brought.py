@@ -17,7 +17,8 @@ def brought(round_: RoundTold, alone: Mapping[int, Share]) -> str:
         return f"{taught}: at work"
     change = _change(round_, alone)
     if round_.state == "passed":
-        return f"{taught}: {change}" if change else f"{taught}: in force, and not measured"
+        unjudged = f"; {round_.unjudged}" if round_.unjudged and not round_.trials else ""
+        return f"{taught}: {change or 'in force, and not measured'}{unjudged}"
     outcome = "held back" if round_.state == "refused" else "broken off"
     measured = f"{change}; " if change else ""
     return f"{taught}: {measured}{outcome}, since {round_.reason or 'no reason was kept'}"

@@ -81,6 +81,7 @@ POLICY: Json = {
             "labels": 433,
             "held_out": None,
             "retained": None,
+            "unjudged": "",
             "trials": {"before": _BEFORE, "after": PROGRESS["versions"][0]["alone"]},
             "trials_p": 0.0001,
             "seconds": 99.1,

@@ -84,8 +84,12 @@ def check(ruling: Ruling, archive: Archive) -> bool:
 def _unknown_version(ruling: Ruling, lineage: Lineage) -> str:
     if ruling.verb is not Verb.ROLLBACK:
         return ""
-    known = [one.number for one in lineage.versions if one.number != lineage.version.number]
-    if ruling.version == lineage.version.number:
+    # While some robots run a later version first, to go back to the one in force ends that.
+    on_trial = bool(lineage.versions and lineage.versions[-1].robots)
+    known = [
+        one.number for one in lineage.versions if one.number != lineage.version.number or on_trial
+    ]
+    if ruling.version == lineage.version.number and not on_trial:
         return f"version {lineage.version} is in force; {_one_of(known)}"
     return "" if ruling.version in known else f"no version {ruling.version}; {_one_of(known)}"
 

@@ -5,7 +5,7 @@ they had to speak.
 """
 
 from collections.abc import Sequence
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 from pydantic import Field
 
@@ -17,7 +17,8 @@ from shared.messages.message import Id
 class CanarySettings(Settings):
     """robots: that go first; none named: all take a version at once.
 
-    episodes: that they must finish under it. within_s: or else it is taken back.
+    episodes: that they must finish under it. within_s: or else it is taken back, and so it is if
+        by then there is no episode under the version before to compare with.
     max_fall: by which success may fall, against the last episodes under the version before.
     max_more: corrections an episode more than there.
     """
@@ -29,26 +30,51 @@ class CanarySettings(Settings):
     max_more: Annotated[float, Field(ge=0)] = 1.0
 
 
+class Finding(NamedTuple):
+    """What is known of a version that some robots run first.
+
+    over: it can be said whether all shall run it. reason: why it is taken back, "" if it isn't;
+    before it is over, what is waited for.
+    """
+
+    over: bool
+    reason: str = ""
+
+
 def judge(
     mine: Sequence[Episode], before: Sequence[Episode], waited_s: float, settings: CanarySettings
-) -> str | None:
-    """Why a version is taken back; "" if it isn't, None while that can't be said.
+) -> Finding:
+    """Hold a version against the one before it, as soon as there are episodes of both.
 
     mine: episodes under it. before: under the version before, the newest last; those that were
     broken off count on neither side.
     """
-    mine, before = _whole(mine), _whole(before)
+    mine, before = _whole(mine), _whole(before)[-4 * settings.episodes :]
+    missing, hint = _missing(mine, before, settings)
+    if not missing:
+        return Finding(True, _worse(mine, before, settings))
+    if waited_s < settings.within_s:
+        return Finding(False, f"{missing}; this is waited for {settings.within_s:.0f} s at most")
+    return Finding(
+        True, f"{missing} in {waited_s:.0f} s; {hint}, or gate.canary.within_s allows more time"
+    )
+
+
+def _missing(
+    mine: Sequence[Episode], before: Sequence[Episode], settings: CanarySettings
+) -> tuple[str, str]:
+    """What there is too little of to judge, and what would help; "" where there is enough."""
     if len(mine) < settings.episodes:
-        if waited_s < settings.within_s:
-            return None
         names = ", ".join(settings.robots)
-        return (
-            f"{names} finished {len(mine)} of {settings.episodes} episodes in {waited_s:.0f} s; "
-            "is it running? gate.canary.within_s allows more time"
-        )
-    before = before[-4 * settings.episodes :]
+        return f"{names} finished {len(mine)} of {settings.episodes} episodes", "start it"
     if not before:
-        return ""
+        other = "let a robot run it that is not in gate.canary.robots"
+        return "no episode ended under the version before, to compare with", other
+    return "", ""
+
+
+def _worse(mine: Sequence[Episode], before: Sequence[Episode], settings: CanarySettings) -> str:
+    """Why a version does worse than the one before; "" if it doesn't."""
     fall = _share(before) - _share(mine)
     if fall > settings.max_fall:
         return (

@@ -2,9 +2,9 @@
 
 import math
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from services.learner.gate import GateSettings
 from services.learner.labels.aggregate import LabelSettings
@@ -83,6 +83,16 @@ class LearnerSettings(Settings):
     balance: BalanceSettings = BalanceSettings()
     train: TrainSettings = TrainSettings()
     gate: GateSettings = GateSettings()
+
+    @model_validator(mode="after")
+    def _can_judge(self) -> Self:
+        gate = self.gate
+        if not gate.held_out_share and not gate.trials.episodes and gate.unjudged == "refuse":
+            raise ValueError(
+                "gate.held_out_share=0 leaves nothing to judge a candidate by, so that none would "
+                "go out: set gate.unjudged=let-out as well, or gate.trials.episodes"
+            )
+        return self
 
     def recipe(self) -> Recipe:
         """The part that a round's result depends on."""

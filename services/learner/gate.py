@@ -7,7 +7,7 @@ there is a simulator, by what it does (`trials.py`). By setting, one robot goes 
 import hashlib
 from collections import Counter
 from collections.abc import Sequence
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,13 @@ from shared.config import Settings
 from shared.errors import RefusedError
 from shared.messages.policy import PolicyAnnouncement, TensorRef
 
+FEW = 3
+"""Episodes of which one is held out: of fewer, too little would be left to learn from."""
+ADVICE = (
+    "corrections go on being gathered, and a round with more corrected episodes judges; to let it "
+    "out all the same, promote it, or set gate.unjudged=let-out"
+)
+
 
 class GateSettings(Settings):
     """What a candidate must be able to show.
@@ -27,7 +34,11 @@ class GateSettings(Settings):
     held_out_share: of the corrected episodes, those that no round trains on; chosen by their
         ids, so that they stay the same ones. at_least: labels among them, below which their
         agreement says too little to be judged by; a small round holds out more for it, see `split`.
+    unjudged: what becomes of a candidate that so few labels can't judge, where no `trials` do:
+        refuse: it stays here, and a later round has more to judge by; let-out: it goes out.
     max_fall: by which the agreement with them may fall, against the version in force.
+    chance: a version in force that is wrong about most of them has to be bettered, with McNemar's p
+        at most this: what learned nothing where people spoke agrees no less. 1: it need not be.
     retained: demonstrated decisions that no round replays, to see what is forgotten. max_forgotten:
         by which the agreement with those may fall, against the version in force.
     trials: episodes in simulation. canary: robots that run it first.
@@ -35,7 +46,9 @@ class GateSettings(Settings):
 
     held_out_share: Annotated[float, Field(ge=0, lt=1)] = 0.1
     at_least: Annotated[int, Field(ge=1)] = 20
+    unjudged: Literal["refuse", "let-out"] = "refuse"
     max_fall: Annotated[float, Field(ge=0, le=1)] = 0.05
+    chance: Annotated[float, Field(gt=0, le=1)] = 0.05
     retained: Annotated[int, Field(ge=0, le=10_000)] = 200
     max_forgotten: Annotated[float, Field(ge=0, le=1)] = 0.1
     trials: TrialSettings = TrialSettings()
@@ -48,7 +61,7 @@ class Figures(BaseModel):
     labels, held_out: decisions that it learned from, and that it kept aside.
     labels_sha256: over all of both, so that a rebuilt data set can be held against it.
     before, after: share of the held-out labels that the version in force and the candidate
-        propose first; None where nothing was held out.
+        propose first, in whatever words; None where nothing was held out. p: McNemar's, of both.
     retained: demonstrated decisions that were kept aside; retained_before, retained_after: the
         share of them that both propose rightly.
     unread: phrases that people said of the past and that the low level understands no command in;
@@ -66,6 +79,7 @@ class Figures(BaseModel):
     seconds: float
     before: float | None = None
     after: float | None = None
+    p: float | None = None
     retained: int = 0
     retained_before: float | None = None
     retained_after: float | None = None
@@ -92,11 +106,15 @@ class Candidate(BaseModel):
 
 
 class Verdict(NamedTuple):
-    """Whether a candidate goes out, why not, and what was found in trials."""
+    """Whether a candidate goes out, why not, and what was found in trials.
+
+    unjudged: why it could not be held against what people said; "" where it was.
+    """
 
     passed: bool
     reason: str = ""
     figures: dict[str, Any] = {}
+    unjudged: str = ""
 
 
 class Gate:
@@ -104,7 +122,7 @@ class Gate:
 
     def __init__(self, settings: GateSettings, trials: Trials) -> None:
         self._labels, self._trials, self._settings = LabelGate(settings), trials, settings
-        self._trying = False
+        self._trying, self._unjudged = False, ""
 
     def start(self) -> None:
         """Begin to hand out trials."""
@@ -118,7 +136,7 @@ class Gate:
         if not verdict.passed or not self._settings.trials.episodes:
             return verdict
         self._trials.begin(announced, in_force)
-        self._trying = True
+        self._trying, self._unjudged = True, verdict.unjudged
         return None
 
     def poll(self) -> Verdict | None:
@@ -127,12 +145,12 @@ class Gate:
             outcomes = self._trials.outcomes()
         except RefusedError as error:
             self.stop()
-            return Verdict(False, str(error))
+            return Verdict(False, str(error), unjudged=self._unjudged)
         if outcomes is None:
             return None
         self.stop()
         reason, figures = compare(*outcomes, self._settings.trials)
-        return Verdict(not reason, reason, figures)
+        return Verdict(not reason, reason, figures, self._unjudged)
 
     def progress(self) -> float:
         """How far the trials are, 0 to 1."""
@@ -159,18 +177,44 @@ class LabelGate:
         self._settings = settings
 
     def judge(self, candidate: Candidate) -> Verdict:
-        """Whether it agrees as much as it must."""
+        """Whether it agrees as much as it must; what can't be judged is no agreement."""
         if not candidate.figures.finite:
             return Verdict(False, "a weight is infinite or not a number")
-        reason = self._worse(candidate.figures) or self._forgot(candidate.figures)
-        return Verdict(not reason, reason)
+        unjudged = self._unjudged(candidate.figures)
+        worse = "" if unjudged else self._worse(candidate.figures)
+        reason = worse or self._forgot(candidate.figures) or self._held_back(unjudged)
+        return Verdict(not reason, reason, unjudged=unjudged)
+
+    def _unjudged(self, figures: Figures) -> str:
+        needs = self._settings.at_least
+        if figures.held_out >= needs:
+            return ""
+        return f"held out {figures.held_out} labels, needs {needs}: not judged"
+
+    def _held_back(self, unjudged: str) -> str:
+        """Why it stays here although nothing is known against it; "" if it goes on."""
+        judged_by_trials = self._settings.trials.episodes > 0
+        if not unjudged or judged_by_trials or self._settings.unjudged == "let-out":
+            return ""
+        return f"{unjudged}; {ADVICE}"
 
     def _worse(self, figures: Figures) -> str:
         """Why it agrees too little with what people said; "" if it doesn't."""
-        if figures.held_out < self._settings.at_least:
-            return ""
         fall = figures.before, figures.after, self._settings.max_fall
-        return _fallen(f"{figures.held_out} held-out labels", *fall)
+        return _fallen(f"{figures.held_out} held-out labels", *fall) or self._no_better(figures)
+
+    def _no_better(self, figures: Figures) -> str:
+        """Why it has learned too little, where there was most to learn; "" if it has enough."""
+        before, after, p, most = figures.before, figures.after, figures.p, self._settings.chance
+        if before is None or after is None or p is None or before >= 0.5 or most == 1:
+            return ""
+        if after > before and p <= most:
+            return ""
+        return (
+            f"it agrees with {after:.3f} of {figures.held_out} held-out labels, the version in "
+            f"force with {before:.3f}: who follows one that is wrong about most of them has to be "
+            f"right more often by more than chance (p = {p:.2f}; gate.chance={most})"
+        )
 
     def _forgot(self, figures: Figures) -> str:
         """Why it has forgotten too much of what was demonstrated; "" if it hasn't."""
@@ -203,13 +247,15 @@ def split(
     """Labels to train on, and those to hold out: whole episodes, the same ones in every round.
 
     at_least: where chance holds out fewer labels, the next episodes by lot are, too, but no more
-        than a fifth of all: an early round is small, and would not be judged. A later round that is
-        still so small may hold out an episode that an earlier one learned from.
+        than a fifth of all, or one of three or four: an early round is small, and would not be
+        judged. A later round that is still so small may hold out an episode that an earlier one
+        learned from.
     """
     counts = Counter(label.episode for label in labels)
     lots = {episode: _lot(episode) for episode in counts}
     out = {episode for episode, lot in lots.items() if lot < share}
-    for episode in sorted(lots, key=lots.__getitem__)[: len(lots) // 5 if share else 0]:
+    most = max(len(lots) // 5, int(len(lots) >= FEW)) if share else 0
+    for episode in sorted(lots, key=lots.__getitem__)[:most]:
         if sum(counts[one] for one in out) >= at_least:
             break
         out.add(episode)

@@ -6,6 +6,7 @@ store; the bank, grown by every phrase that a label holds.
 
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +21,7 @@ from shared.goals.language.bank import PhraseBank
 from shared.messages.decision import Decision
 from shared.messages.observation import Observation
 from shared.policies.examples import Examples
-from shared.policies.fit import agreement as heads_agreement
+from shared.policies.fit import agreement
 from shared.policies.high_level import HighLevel
 
 
@@ -57,6 +58,24 @@ def unread(
     return tuple(sorted(text for text in new if meaning(text) is None))
 
 
+def meant(spell: Spelling, known: Iterable[str], meaning: Callable[[str], str | None]) -> Spelling:
+    """What a phrase asks for, however it is put: two that a robot obeys alike are the same.
+
+    A version in force can't say the words that people began to use since; held against words, it
+    would be wrong in each of them, and whatever is made of them would be better.
+
+    known, meaning: as for `unread`.
+    """
+    old = {canonical(phrase) for phrase in known}
+
+    @cache
+    def asked(text: str) -> str:
+        text = spell(text)
+        return text if text in old else meaning(text) or text
+
+    return asked
+
+
 def gather(labels: Sequence[Label], spelling: dict[str, str], store: Store) -> Examples:
     """The labelled decisions as the network reads them: what the high level saw, as it saw it."""
     seen = [*store.decisions(label.decision for label in labels)]
@@ -91,29 +110,24 @@ def _shown(ids: Iterable[str], store: Store) -> dict[str, NDArray[np.uint8]]:
     return shown
 
 
-def agreement(
-    policy: HighLevel, labels: Sequence[Label], store: Store, spell: Spelling
-) -> float | None:
-    """The share of labels that a policy proposes first; None where there are none.
+def agreed(policy: HighLevel, labels: Sequence[Label], store: Store, asked: Spelling) -> list[bool]:
+    """Whether each label is what a policy proposes first.
 
-    spell: as the labels are spelt, so that another wording of the same is no miss.
+    asked: what a phrase asks for, so that another wording of the same is no miss.
     """
-    if not labels:
-        return None
     seen = store.decisions(label.decision for label in labels)
-    right = [
-        spell(policy.propose(observation_of(decision), past_of(decision, store))[0].goal.text)
-        == label.text
+    return [
+        asked(policy.propose(observation_of(decision), past_of(decision, store))[0].goal.text)
+        == asked(label.text)
         for label, decision in zip(labels, seen, strict=True)
     ]
-    return sum(right) / len(right)
 
 
 def known(policy: HighLevel, demonstrated: Examples) -> float | None:
     """The share of demonstrated decisions that a policy's bank head takes rightly."""
     if not len(demonstrated):
         return None
-    return heads_agreement(policy.net, policy.bank, demonstrated).bank
+    return agreement(policy.net, policy.bank, demonstrated).bank
 
 
 def past_of(decision: Decision, store: Store) -> list[NDArray[np.uint8]]:

@@ -8,10 +8,10 @@ import threading
 from collections.abc import Iterator
 from typing import Any
 
+from services.learner.descent import descents
 from services.learner.store.store import Store
 from shared.messages.learned import LearnedAnswer, LearnedQuestion
 from shared.messages.policy import Version
-from shared.messages.ruling import Verb
 from shared.wire.bus import Bus, Subscription
 from shared.wire.codec import decode, encode
 from shared.wire.keys import service_key
@@ -76,12 +76,9 @@ def _made(store: Store) -> Iterator[tuple[Version, dict[str, Any]]]:
 
     A version with the weights of an earlier one was made by none.
     """
-    rounds = store.rounds()
-    by_number = {one.made: one for one in rounds if one.made is not None}
-    for answer in store.answers():
-        if answer.made is not None and answer.ruling.verb is Verb.PROMOTE:
-            by_number[answer.made] = rounds[(answer.ruling.round or 1) - 1]
-    for version in store.versions():
-        round_ = by_number.get(version.number)
-        if round_ and round_.candidate and not version.robots:
+    versions = store.versions()
+    came_of = descents(versions, store.rounds(), store.answers())
+    for version in versions:
+        round_, again, _ = came_of[version.number]
+        if round_ and round_.candidate and again is None and not version.robots:
             yield Version(version.epoch, version.number), round_.candidate

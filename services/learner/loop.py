@@ -8,6 +8,7 @@ from collections.abc import Callable
 import structlog
 
 from services.learner.config import LearnerSettings
+from services.learner.descent import descent
 from services.learner.publish import LEARNER
 from services.learner.rounds import due, last_manifest, next_manifest, take_stock
 from services.learner.rulings import carry_out
@@ -68,8 +69,7 @@ class Learner:
     def start(self) -> None:
         """Announce what is in force, begin to collect, and go on with a round that was cut off."""
         parts = self._parts
-        made_by = (one for one in self._rounds if one.made == self._in_force.number)
-        parts.publisher.publish(self._in_force, self._epoch, next(made_by, None))
+        self._publish()
         parts.collector.start()
         parts.gate.start()
         parts.lessons.start()
@@ -174,7 +174,12 @@ class Learner:
                     self._turn.abandon(f"version {made.number} was put in force while it ran")
                     self._look_at(self._turn)
                 self._in_force = made
-                self._parts.publisher.publish(made, self._epoch)
+                self._publish()
+
+    def _publish(self) -> None:
+        """Announce what is in force."""
+        came_of = descent(self._in_force, self._parts.store)
+        self._parts.publisher.publish(self._in_force, self._epoch, came_of)
 
     def _stop(self, reason: str) -> None:
         """Turn no more rounds; what arrives is still kept."""

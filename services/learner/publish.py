@@ -2,8 +2,9 @@
 
 import structlog
 
+from services.learner.descent import Descent
 from services.learner.shelf import Shelf
-from services.learner.store.store import PolicyRecord, Round
+from services.learner.store.store import PolicyRecord
 from services.learner.store.tensors import TensorFiles
 from shared.messages.policy import PolicyAnnouncement, Version
 from shared.wire.bus import Bus
@@ -26,8 +27,8 @@ class Publisher:
         self._tensors = TensorPublisher(bus, service_key(fleet, LEARNER, learner, "tensor"))
         self._log = structlog.get_logger()
 
-    def publish(self, record: PolicyRecord, epoch: int, round_: Round | None = None) -> Version:
-        """Announce `record`, which `round_` made, as (epoch, its number).
+    def publish(self, record: PolicyRecord, epoch: int, came_of: Descent = Descent()) -> Version:
+        """Announce `record` as (epoch, its number).
 
         What some robots run first has a place of its own: who comes late hears of both.
 
@@ -36,7 +37,7 @@ class Publisher:
         """
         message = announcement(record, epoch, self._learner)
         names = tuple(dict.fromkeys(ref.sha256 for ref in record.tensors))
-        self._shelf.put(record, round_)
+        self._shelf.put(record, came_of)
         # Tensors first: who hears of a version can have it.
         self._tensors.publish(self._files.take(names))
         key = self._canary_key if record.robots else self._key

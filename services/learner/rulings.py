@@ -60,13 +60,14 @@ def _promoted(ruling: Ruling, parts: Parts, epoch: int, in_force: PolicyRecord) 
 
 
 def _back(ruling: Ruling, parts: Parts, epoch: int, in_force: PolicyRecord) -> PolicyRecord:
-    """An earlier version under a new number."""
+    """An earlier version under a new number; the one in force, where a later one is on trial."""
     number = ruling.version if ruling.version is not None else -1
     record = parts.store.version(number)
     if record is None:
         known = [version.number for version in parts.store.versions()]
         raise RefusedError(f"there is no version {number}; {_known(known, 'version')}")
-    if record.number == in_force.number:
+    on_trial = parts.store.versions()[-1].robots
+    if record.number == in_force.number and not on_trial:
         raise RefusedError(f"version {number} is in force; roll back to an earlier one")
     if record.low_level_sha256 != in_force.low_level_sha256:
         raise RefusedError(

@@ -103,6 +103,11 @@ class Teller:
         rounds = [tell_round(row) for row in self._archive.rounds(MAX_TOLD)]
         rulings = self._archive.rulings(MAX_TOLD)
         made_by = {one.made: one.number for one in rounds if one.made is not None}
+        made_by |= {
+            one.made: one.ruling.round
+            for one in rulings
+            if one.made is not None and one.ruling.round is not None
+        }
         newest = next((row for row in reversed(versions) if not row["robots"]), None)
         if newest is None:
             raise RefusedError("the store has no version yet")
@@ -152,6 +157,7 @@ def tell_round(row: Row) -> RoundTold:
         labels=figures.get("labels"),
         held_out=_agreed(figures, "held_out", ""),
         retained=_agreed(figures, "retained", "retained_"),
+        unjudged=figures.get("unjudged", ""),
         trials=_tried(trials),
         trials_p=trials.get("p"),
         seconds=figures.get("seconds"),

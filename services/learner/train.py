@@ -19,7 +19,15 @@ import torch
 from services.learner.anchor import anchor
 from services.learner.config import Recipe, TrainSettings
 from services.learner.gate import Candidate, Figures, keep_aside, split
-from services.learner.gather import agreement, gather, grow, known, open_version, unread
+from services.learner.gather import (
+    agreed,
+    gather,
+    grow,
+    known,
+    meant,
+    open_version,
+    unread,
+)
 from services.learner.labels.aggregate import Label, derive, sha256_labels
 from services.learner.labels.balance import balance
 from services.learner.labels.spell import spelling
@@ -28,6 +36,7 @@ from services.learner.store.sql import SqlStore
 from services.learner.store.store import PolicyRecord, Round, Store
 from services.learner.store.tensors import TensorFiles
 from shared.errors import HldError, PolicyError
+from shared.intervals import mcnemar
 from shared.messages.goal import LanguageGoal
 from shared.policies import examples
 from shared.policies.checkpoint import bundled
@@ -66,18 +75,18 @@ def fine_tune(
     recipe = Recipe.model_validate(round_.manifest.settings)
     in_force = _record(store, round_.parent)
     history = store.history(round_.manifest)
-    spell = spelling(history.rulings)
     labels = derive(history, recipe.labels, in_force.low_level_sha256)
-    unknown = unread(labels, _record(store, 0).bank, meaning)
+    first = _record(store, 0)
+    unknown = unread(labels, first.bank, meaning)
+    asked = meant(spelling(history.rulings), first.bank, meaning)
     obeyed = [label for label in labels if label.text not in unknown]
     kept, held_out = split(obeyed, recipe.gate.held_out_share, recipe.gate.at_least)
     replayed, aside = keep_aside(len(demonstrations), recipe.gate.retained)
     retained = demonstrations.take(aside)
     policy = open_version(in_force, files)
-    before, knew = agreement(policy, held_out, store, spell), known(policy, retained)
-    base = open_version(_record(store, 0), files)
+    before, knew = agreed(policy, held_out, store, asked), known(policy, retained)
     if recipe.train.start == "base":
-        policy = open_version(_record(store, 0), files)
+        policy = open_version(first, files)
     bank, spelt = grow(policy.bank, obeyed)
     learned = [*treat(kept)] if treat else kept
     said = gather(balance(learned, recipe.balance), spelt, store) if learned else None
@@ -90,8 +99,9 @@ def fine_tune(
     settings = fit_settings(recipe.train, round_.seed, len(learned))
     replay = demonstrations.take(replayed)
     report = fit(policy.net, bank, replay, said, settings, told, kept=under_way)
-    anchor(policy.net, base.net, recipe.train.own_weights)
+    anchor(policy.net, open_version(first, files).net, recipe.train.own_weights)
     policy = HighLevel(policy.net, bank, policy.version)
+    after = agreed(policy, held_out, store, asked)
     figures = Figures(
         labels=len(learned),
         labels_sha256=sha256_labels(labels),
@@ -99,8 +109,9 @@ def fine_tune(
         loss=report.loss if np.isfinite(report.loss) else None,
         finite=all(np.isfinite(array).all() for array in policy.tensors().values()),
         seconds=round(time.monotonic() - began, 3),
-        before=before,
-        after=agreement(policy, held_out, store, spell),
+        before=_share(before),
+        after=_share(after),
+        p=round(mcnemar(after, before), 4) if held_out else None,
         retained=len(retained),
         retained_before=knew,
         retained_after=known(policy, retained),
@@ -114,6 +125,10 @@ def fine_tune(
         learned=_corrections(learned),
         held_out=_corrections(held_out),
     )
+
+
+def _share(right: Sequence[bool]) -> float | None:
+    return sum(right) / len(right) if right else None
 
 
 def _corrections(labels: Sequence[Label]) -> tuple[str, ...]:

@@ -12,6 +12,7 @@ import structlog
 
 from services.learner import canary
 from services.learner.collect import Collector
+from services.learner.descent import descent
 from services.learner.frozen import FrozenLowLevel
 from services.learner.gate import Candidate, Gate, Verdict
 from services.learner.lessons import Lessons
@@ -163,9 +164,9 @@ class Turn:
             self._conclude(verdict)
 
     def _conclude(self, verdict: Verdict) -> None:
-        if verdict.figures:
-            figures = {**self.round.figures, "trials": verdict.figures}
-            self.round = self.round.model_copy(update={"figures": figures})
+        found = {"trials": verdict.figures, "unjudged": verdict.unjudged}
+        figures = {**self.round.figures, **{name: one for name, one in found.items() if one}}
+        self.round = self.round.model_copy(update={"figures": figures})
         if not verdict.passed:
             self._end(RoundState.REFUSED, verdict.reason)
             return
@@ -176,7 +177,7 @@ class Turn:
             return
         first = made.model_copy(update={"robots": self._settings.robots})
         self._parts.store.advance(self.round, first)
-        self._parts.publisher.publish(first, self._epoch, self.round)
+        self._publish(first)
         self._began_ns = self._parts.clock.monotonic_ns()
         self._step = self._watch
 
@@ -188,32 +189,53 @@ class Turn:
             return
         self._looked_ns, waited_s = now, (now - self._began_ns) / 1e9
         mine = [one for one in store.episodes_under(number) if one.robot in self._settings.robots]
-        before = store.episodes_under(self._in_force.number)
-        reason = canary.judge(mine, before, waited_s, self._settings)
+        before = [one for alike in self._same_weights() for one in store.episodes_under(alike)]
+        finding = canary.judge(mine, before, waited_s, self._settings)
         first = store.version(number)
         assert first is not None  # Kept together with the round's stage.
-        if reason == "":
+        if not finding.over:
+            self._wait_for(finding.reason)
+        elif finding.reason:
+            self._take_back(finding.reason)
+        else:
             self._admit(first.model_copy(update={"robots": (), "epoch": self._epoch}))
-        elif reason is not None:
-            self._take_back(reason)
+
+    def _same_weights(self) -> list[int]:
+        """All numbers of the version in force: one that was put back has episodes under another."""
+        alike = (
+            one
+            for one in self._parts.store.versions()
+            if (one.tensors, one.bank) == (self._in_force.tensors, self._in_force.bank)
+        )
+        return [one.number for one in alike]
+
+    def _wait_for(self, reason: str) -> None:
+        """Have on record what a running round waits for."""
+        if reason != self.round.reason:
+            self.round = self.round.model_copy(update={"reason": reason})
+            self._parts.store.advance(self.round)
 
     def _go_on_watching(self, number: int) -> None:
         first = self._parts.store.version(number)
         assert first is not None  # Kept together with the round's stage.
-        self._parts.publisher.publish(first, self._epoch, self.round)
+        self._publish(first)
         self._step = self._watch
 
     def _admit(self, made: PolicyRecord) -> None:
         self._end(RoundState.PASSED, "", made)
         self.made = made
-        self._parts.publisher.publish(made, self._epoch, self.round)
+        self._publish(made)
 
     def _take_back(self, reason: str) -> None:
         """The robots that went first go back, by a version of the former weights."""
         back = again(self._in_force, self._parts, self._epoch)
         self._end(RoundState.REFUSED, reason, back)
         self.made = back
-        self._parts.publisher.publish(back, self._epoch)
+        self._publish(back)
+
+    def _publish(self, record: PolicyRecord) -> None:
+        came_of = descent(record, self._parts.store)
+        self._parts.publisher.publish(record, self._epoch, came_of)
 
     # -- its end
 

@@ -8,7 +8,7 @@ by the learner: it alone makes versions.
 import json
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import closing
 from datetime import UTC, datetime
 from pathlib import Path
@@ -20,6 +20,7 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
+from services.learner.descent import Descent, descents, tell
 from services.learner.kept import Data, Report, open_store, write_report
 from services.learner.store.store import Answer, PolicyRecord, Round, RoundState, Store
 from shared.config import exit_misconfigured
@@ -28,7 +29,7 @@ from shared.messages.message import new_id
 from shared.messages.ruling import Ruling, Verb
 from shared.service import run_app
 
-SCHEMA = 2
+SCHEMA = 3
 AUTHOR = "operator"
 ANSWER_S = 5.0  # Ten looks of a learner.
 app = typer.Typer(add_completion=False, no_args_is_help=True)
@@ -44,18 +45,19 @@ def list_versions(data: Data = Path("runs/up"), report: Report = None) -> None:
     """All rounds: what each was made from, what the gate said, and the version that it made."""
     with closing(open_store(data, "policy")) as store:
         versions, rounds, answers = store.versions(), store.rounds(), store.answers()
+    came_of = descents(versions, rounds, answers)
     content = {
         "schema": SCHEMA,
-        "versions": _told(versions, rounds),
+        "versions": _told(versions, came_of),
         "rounds": _ended(rounds),
         "rulings": [answer.model_dump(mode="json") for answer in answers],
     }
     write_report(report, content)
     console = Console()
-    console.print(_table(versions, rounds))
+    console.print(_table(versions, rounds, came_of))
     for round_ in rounds:
-        if round_.reason:
-            console.print(f"round {round_.number}: {round_.reason}", markup=False)
+        if told := round_.reason or round_.figures.get("unjudged"):
+            console.print(f"round {round_.number}: {told}", markup=False)
     for answer in answers:
         if answer.ruling.verb in (Verb.PROMOTE, Verb.ROLLBACK):
             console.print(_ruled(answer), markup=False)
@@ -67,28 +69,30 @@ def show(
     data: Data = Path("runs/up"),
     report: Report = None,
 ) -> None:
-    """One version: its round with manifest, seed, settings and figures, bank and tensors."""
+    """One version: what it came of, the round that made its weights, bank and tensors."""
     with closing(open_store(data, "policy")) as store:
-        versions, rounds = store.versions(), store.rounds()
+        versions, rounds, answers = store.versions(), store.rounds(), store.answers()
     if number >= len(versions):
         known = f"there are 0 to {len(versions) - 1}" if versions else "there is none yet"
         exit_misconfigured("policy", ConfigError(f"no version {number} in {data}; {known}"))
-    content = {"schema": SCHEMA, **detail(versions[number], rounds)}
+    came_of = descents(versions, rounds, answers)[number]
+    content = {"schema": SCHEMA, **detail(versions[number], came_of)}
     write_report(report, content)
     Console().print_json(json.dumps(content, ensure_ascii=False))
 
 
-def detail(version: PolicyRecord, rounds: Sequence[Round]) -> dict[str, Any]:
-    """What is known of a version; `round` is None for the one that a store begins with."""
-    made_by = _made_by(version, rounds)
+def detail(version: PolicyRecord, came_of: Descent) -> dict[str, Any]:
+    """What is known of a version; `round` made its weights, None: the store began with them."""
+    round_, again, ruling = came_of
     return {
         "number": version.number,
         "epoch": version.epoch,
         "created": _when(version.created_ns),
-        "round": made_by.model_dump(mode="json") if made_by else None,
+        "came_of": list(tell(came_of)),
+        "round": round_.model_dump(mode="json") if round_ else None,
         "robots": list(version.robots),
-        "again": version.again,
-        "ruling": version.ruling,
+        "again": again,
+        "ruling": ruling.model_dump(mode="json") if ruling else None,
         "low_level_sha256": version.low_level_sha256,
         "bank": list(version.bank),
         "settings": version.settings,
@@ -165,16 +169,17 @@ def _answered(store: Store, ruling: str) -> Answer | None:
     return None
 
 
-def _told(versions: Sequence[PolicyRecord], rounds: Sequence[Round]) -> list[dict[str, Any]]:
+def _told(versions: Sequence[PolicyRecord], came_of: Mapping[int, Descent]) -> list[dict[str, Any]]:
     return [
         {
             "number": version.number,
             "epoch": version.epoch,
             "created": _when(version.created_ns),
-            "round": made_by.number if (made_by := _made_by(version, rounds)) else None,
+            "round": made_by.number if (made_by := came_of[version.number].round) else None,
             "in_force": version.number == in_force(versions),
             "robots": list(version.robots),
-            "again": version.again,
+            "again": came_of[version.number].again,
+            "ruling": version.ruling,
         }
         for version in versions
     ]
@@ -204,20 +209,31 @@ def _ruled(answer: Answer) -> str:
 _LONG = {"settings", "excluded"}
 
 
-def _table(versions: Sequence[PolicyRecord], rounds: Sequence[Round]) -> Table:
+def _table(
+    versions: Sequence[PolicyRecord], rounds: Sequence[Round], came_of: Mapping[int, Descent]
+) -> Table:
     """It fits into 80 columns; times, labels and the rest stand in the report."""
     table = Table(box=box.SIMPLE)
     for name in ("version", "round", "episodes", "corrections", "held out", "retained"):
         table.add_column(name, no_wrap=True)
     table.add_column("outcome")
     for version in versions:
-        if _made_by(version, rounds) is None:
-            origin = "" if version.again is None else f"{version.again} again, "
+        if version.number not in {round_.made for round_ in rounds}:
             outcome = "in force" if version.number == in_force(versions) else "replaced"
+            origin = _origin(came_of[version.number])
             table.add_row(f"{version.epoch}.{version.number}", *[""] * 5, f"{origin}{outcome}")
     for round_ in rounds:
         table.add_row(*_row(round_, versions))
     return table
+
+
+def _origin(came_of: Descent) -> str:
+    """Of a version that no round put in force."""
+    round_, again, ruling = came_of
+    by = f" by {ruling.author}" if ruling else ""
+    if again is not None:
+        return f"{again} again{by}, "
+    return f"round {round_.number}{by}, " if round_ else ""
 
 
 def _row(round_: Round, versions: Sequence[PolicyRecord]) -> list[str]:
@@ -238,10 +254,6 @@ def _row(round_: Round, versions: Sequence[PolicyRecord]) -> list[str]:
 
 def _change(before: float | None, after: float | None) -> str:
     return "" if before is None or after is None else f"{before:.2f} → {after:.2f}"
-
-
-def _made_by(version: PolicyRecord, rounds: Sequence[Round]) -> Round | None:
-    return next((round_ for round_ in rounds if round_.made == version.number), None)
 
 
 def _when(time_ns: int) -> str:

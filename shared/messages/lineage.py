@@ -32,6 +32,7 @@ class RoundTold(Message):
     parent, made: numbers of the versions that it started from and made.
     episodes, corrections: new since the round before. labels: that it learned from, of all rounds.
     held_out: agreement with labels that it was not trained on. retained: with demonstrations.
+    unjudged: why those labels were too few to judge it by; "" where they were enough.
     trials: success in paired episodes of the gate; trials_p: McNemar's p.
     seconds: the training took. promotable: it was held back, and somebody may put it in force.
     """
@@ -46,6 +47,7 @@ class RoundTold(Message):
     labels: Step | None = None
     held_out: Compared | None = None
     retained: Compared | None = None
+    unjudged: str = ""
     trials: Compared | None = None
     trials_p: float | None = None
     seconds: float | None = None

@@ -28,6 +28,7 @@ SETS = (
     "learner.gate.max_forgotten=1",
     "learner.gate.retained=20",
     "learner.gate.held_out_share=0",  # All that is said is learned.
+    "learner.gate.unjudged=let-out",
 )
 
 

@@ -11,6 +11,7 @@ QUICK = (
     "learner.round.corrections=15",
     "learner.round.after_s=0",
     "learner.train.steps=3",
+    "learner.gate.unjudged=let-out",  # Fifteen corrections are made in an episode or two.
 )
 
 

@@ -217,7 +217,10 @@ function Rounds({ rounds, versions }) {
                     ${one.reason && html`<p class="small">${one.reason}</p>`}
                   </td>
                   <td>${count(one.episodes, "episode")}, ${count(one.corrections, "correction")}</td>
-                  <td>${change(one.held_out)}</td>
+                  <td>
+                    ${change(one.held_out)}
+                    ${one.unjudged && html`<p class="small">${one.unjudged}</p>`}
+                  </td>
                   <td>${change(one.retained)}</td>
                   <td>${change(one.trials)}${one.trials_p === null ? "" : `, p ${probability(one.trials_p)}`}</td>
                   <td>${one.ended_ns ? when(one.ended_ns) : "–"}</td>

@@ -8,7 +8,13 @@ const form = { notice: "", wrong: false, busy: false, id: newId() };
 
 export function Decide({ policy, done }) {
   const fit = policy.rounds.filter(({ promotable }) => promotable);
-  const back = policy.versions.filter(({ in_force: now }) => !now).reverse();
+  // While some robots run a later version first, to go back to the one in force ends that.
+  const trial = policy.versions.at(-1)?.robots.length > 0 && policy.versions.at(-1);
+  const back = policy.versions.filter(({ in_force: now }) => !now || trial).reverse();
+  const after = ({ again, in_force: now }) => {
+    if (now) return `, in force: ends the trial of ${trial.version}`;
+    return again === null ? "" : `, ${named(again, policy.versions)} again`;
+  };
   return html`
     <section class="panel wide" aria-label="Decide about versions">
       <h2>Decide</h2>
@@ -22,7 +28,7 @@ export function Decide({ policy, done }) {
         label="Go back to version"
         act="Roll back"
         none="there is no earlier version"
-        options=${back.map((one) => [one.number, `${one.version}${one.again === null ? "" : `, ${named(one.again, policy.versions)} again`}`])}
+        options=${back.map((one) => [one.number, `${one.version}${after(one)}`])}
         done=${done}
       />
       <${Form}

@@ -65,7 +65,7 @@ class Round(_Record):
     parent: the number of the version that it started from. made: that of the one that it made.
     epoch: of the learner that began it. figures: what training and gate reported.
     candidate: what the training made, as JSON values; kept from then on, whatever comes of it.
-    reason: why it was refused or failed. Times are wall-clock, in ns.
+    reason: why it was refused or failed, or what a running one waits for. Times: wall clock, in ns.
     """
 
     number: int

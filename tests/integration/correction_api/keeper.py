@@ -28,6 +28,9 @@ TRIALS = {
 }
 
 
+UNJUDGED = "held out 3 labels, needs 20: not judged"
+
+
 @contextmanager
 def kept(folder: Path) -> Iterator[tuple[httpx.Client, FakeRobot]]:
     """An API, a robot that it has heard of, and the learner that keeps what that decides."""
@@ -73,7 +76,8 @@ def turn_rounds(store: SqlStore) -> None:
     store.take_over("learner-1", 1)
     store.found(version(0))
     store.begin(round_(1, corrections=14))
-    passed = round_(1, corrections=14, state=RoundState.PASSED, made=1, figures={"trials": TRIALS})
+    figures: dict[str, Any] = {"trials": TRIALS, "unjudged": UNJUDGED}
+    passed = round_(1, corrections=14, state=RoundState.PASSED, made=1, figures=figures)
     store.end(passed, version(1))
     store.begin(round_(2, corrections=3, parent=1))
     figures = {"held_out": 40, "before": 0.8, "after": 0.6, "finite": True}

@@ -201,6 +201,8 @@ def test_progress_says_what_rounds_brought_and_a_person_decides(
         )
         expect(page.locator(".curves canvas")).to_have_count(2)
         expect(page.locator("tr[data-version='1.0']")).to_contain_text("50 % (9 to 91), n = 2")
+        rounds = page.get_by_role("region", name="Table of rounds")
+        expect(rounds).to_contain_text("held out 3 labels, needs 20: not judged")
         page.get_by_label("You are").fill("Anna B")
         back = page.get_by_role("form", name="Roll back")
         back.get_by_role("button").click()

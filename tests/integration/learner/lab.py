@@ -37,6 +37,7 @@ class Lab:
             "demonstrations": self._checkpoints.demonstrations,
             "train.batch": 8,
             "train.nice": 0,
+            "gate.unjudged": "let-out",  # An episode or two are too few to judge by.
             **{name.replace("__", "."): value for name, value in settings.items()},
         }
         sets = [word for name, value in values.items() for word in ("--set", f"{name}={value}")]

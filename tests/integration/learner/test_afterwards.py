@@ -3,6 +3,7 @@
 import json
 import time
 from pathlib import Path
+from typing import Any
 
 import httpx
 
@@ -54,6 +55,33 @@ def test_a_rollback_over_http_is_done_and_told(lab: Lab, bus: Bus, tmp_path: Pat
         (ruling,) = told["rulings"]
         assert (ruling["made"], ruling["ruling"]["reason"]) == (2, "it drops the bread")
         assert told["rounds"][0]["brought"].startswith("3 corrections: ")
+
+
+def test_a_rollback_over_http_to_what_is_in_force_ends_the_trial_of_a_later_version(
+    lab: Lab, bus: Bus, tmp_path: Path
+) -> None:
+    first = {"gate__canary__robots": '["robot-7"]', "gate__held_out_share": 0}
+    lab.start(round__corrections=3, train__steps=2, **first)
+    lab.wait_for("1.0")
+    for sent in happenings("e-1", lab.low_level_sha256):
+        lab.deliver(sent)
+    with running(bus, tmp_path, archive_s=PATIENCE_S) as api:
+        on_trial = until(lambda: _on_trial(api), "a version is on trial")
+        assert (on_trial["version"], on_trial["versions"][-1]["robots"]) == ("1.0", ["robot-7"])
+        body = {"verb": "rollback", "version": 0, "author": "anna", "reason": "it drops the bread"}
+        answer = api.post("api/v1/policy/rulings", json=body)
+        assert answer.status_code == 201, answer.text
+        lab.wait_for("1.2")
+        told = until(lambda: _done(api), "the ruling is told as done")
+        assert (told["version"], told["versions"][-1]["again"]) == ("1.2", 0)
+        assert [one["state"] for one in told["rounds"]] == ["failed"]
+        again = api.post("api/v1/policy/rulings", json=body | {"version": 2})
+        assert (again.status_code, "is in force" in again.json()["detail"]) == (409, True)
+
+
+def _on_trial(api: httpx.Client) -> dict[str, Any] | None:
+    told: dict[str, Any] = api.get("api/v1/policy").json()
+    return told if any(one["robots"] for one in told.get("versions", [])) else None
 
 
 def _done(api: httpx.Client) -> dict[str, object] | None:

@@ -33,6 +33,16 @@ TRIALS = Compared(before=share(0.52), after=share(0.71))
             "1 correction: agreement with held-out labels 52 % → 71 %, n = 200",
         ),
         (told(corrections=0), {}, "no corrections: in force, and not measured"),
+        (
+            told(unjudged="held out 3 labels, needs 20: not judged"),
+            {},
+            "14 corrections: in force, and not measured; held out 3 labels, needs 20: not judged",
+        ),
+        (
+            told(unjudged="held out 3 labels, needs 20: not judged", trials=TRIALS),
+            {},
+            "14 corrections: 52 % → 71 %, n = 200 in the gate's paired episodes",
+        ),
         (told(state="running", made=None), {}, "14 corrections: at work"),
         (
             told(state="refused", made=None, trials=TRIALS, reason="it fell"),

@@ -114,10 +114,21 @@ class Bench:
         return TensorRef(name="w", sha256=sha256, dtype="float32", shape=(4,), size_bytes=16)
 
     def candidate(
-        self, value: float = 1.0, finite: bool = True, learned: tuple[str, ...] = ()
+        self,
+        value: float = 1.0,
+        finite: bool = True,
+        learned: tuple[str, ...] = (),
+        held_out: int = 20,
     ) -> Candidate:
         figures = Figures(
-            labels=2, labels_sha256="0" * 64, held_out=0, loss=0.1, finite=finite, seconds=1.0
+            labels=2,
+            labels_sha256="0" * 64,
+            held_out=held_out,
+            before=0.5,
+            after=0.9,
+            loss=0.1,
+            finite=finite,
+            seconds=1.0,
         )
         return Candidate(
             tensors=(self.tensor(value),),

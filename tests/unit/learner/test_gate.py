@@ -2,8 +2,12 @@
 
 import pytest
 
+from services.learner.config import LearnerSettings
 from services.learner.gate import Candidate, Figures, GateSettings, LabelGate, keep_aside, split
 from services.learner.labels.aggregate import Ground, Label
+from services.learner.trials import TrialSettings
+from shared.config import load
+from shared.errors import ConfigError
 from tests.unit.learner.test_learner_store import REF
 
 
@@ -13,6 +17,7 @@ def candidate(
     held_out: int = 40,
     finite: bool = True,
     retained: float | None = None,
+    p: float | None = None,
 ) -> Candidate:
     figures = Figures(
         labels=90,
@@ -20,6 +25,7 @@ def candidate(
         held_out=held_out,
         before=before,
         after=after,
+        p=p,
         loss=1.0,
         finite=finite,
         seconds=1.0,
@@ -39,8 +45,9 @@ GATE = LabelGate(GateSettings(at_least=20, max_fall=0.05, max_forgotten=0.05))
         (candidate(), True),
         (candidate(after=0.451), True),
         (candidate(after=0.449), False),
-        (candidate(after=0.1, held_out=19), True),
-        (candidate(before=None, after=None, held_out=0), True),
+        (candidate(after=0.1, held_out=20), False),
+        (candidate(held_out=19), False),
+        (candidate(before=None, after=None, held_out=0), False),
         (candidate(after=0.9, finite=False), False),
         (candidate(after=0.9, retained=0.86), True),
         (candidate(after=0.9, retained=0.84), False),
@@ -52,9 +59,54 @@ def test_a_candidate_passes_unless_it_broke_or_agrees_less(made: Candidate, pass
     assert bool(verdict.reason) is not passed
 
 
+@pytest.mark.parametrize(
+    ("before", "after", "p", "passed"),
+    [
+        (0.31, 0.38, 0.69, False),
+        (0.33, 0.74, 0.0001, True),
+        (0.33, 0.31, 0.01, False),
+        (0.5, 0.5, 1.0, True),
+        (0.2, 0.3, None, True),  # Trained before this was told.
+    ],
+)
+def test_who_follows_one_that_is_wrong_about_most_has_to_be_better_by_more_than_chance(
+    before: float, after: float, p: float | None, passed: bool
+) -> None:
+    made = candidate(before, after, p=p)
+    verdict = GATE.judge(made)
+    assert verdict.passed is passed
+    assert passed or "by more than chance" in verdict.reason
+    assert LabelGate(GateSettings(chance=1.0)).judge(made).passed
+
+
 def test_a_refusal_tells_both_figures() -> None:
     assert "0.100 of 40" in GATE.judge(candidate(after=0.1)).reason
     assert "0.300 of 200 demonstrated" in GATE.judge(candidate(retained=0.3)).reason
+
+
+def test_what_could_not_be_judged_says_so_and_stays_here_unless_somebody_lets_it_out() -> None:
+    few = candidate(after=0.1, held_out=19)
+    verdict = GATE.judge(few)
+    assert verdict.unjudged == "held out 19 labels, needs 20: not judged"
+    assert verdict.reason.startswith(verdict.unjudged)
+    assert "gate.unjudged=let-out" in verdict.reason
+    for settings in (
+        GateSettings(unjudged="let-out"),
+        GateSettings(trials=TrialSettings(episodes=4)),
+    ):
+        let_on = LabelGate(settings).judge(few)
+        assert (let_on.passed, let_on.reason, let_on.unjudged) == (True, "", verdict.unjudged)
+        forgetful = LabelGate(settings).judge(candidate(held_out=19, retained=0.1))
+        assert not forgetful.passed
+    assert GATE.judge(candidate()).unjudged == ""
+
+
+def test_to_hold_out_nothing_is_refused_where_nothing_else_judges() -> None:
+    none = "gate.held_out_share=0"
+    with pytest.raises(ConfigError, match=r"gate\.unjudged=let-out"):
+        load(LearnerSettings, "learner", sets=[none], environment={})
+    for more in ("gate.unjudged=let-out", "gate.trials.episodes=4"):
+        assert load(LearnerSettings, "learner", sets=[none, more], environment={})
 
 
 def test_what_is_kept_aside_is_never_replayed_and_always_the_same() -> None:
@@ -96,4 +148,9 @@ def test_a_small_round_holds_out_enough_to_be_judged_by_but_a_fifth_of_its_episo
     assert (chance, len(out), len(kept)) == ([], 21, 159)
     assert {label.episode for label in kept}.isdisjoint(label.episode for label in out)
     assert len(split(labels(20), 1e-9, at_least=20)[1]) == 3 * 4
-    assert split(labels(4), 1e-9, at_least=20)[1] == []
+
+
+@pytest.mark.parametrize(("few", "held_out"), [(1, 0), (2, 0), (3, 1), (4, 1), (9, 1), (10, 2)])
+def test_a_first_round_of_few_episodes_holds_one_out(few: int, held_out: int) -> None:
+    _, out = split(labels(few), 1e-9, at_least=20)
+    assert len({label.episode for label in out}) == held_out

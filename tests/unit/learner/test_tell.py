@@ -18,7 +18,7 @@ from shared.wire.bus import Bus
 from shared.wire.codec import decode, encode
 from shared.wire.keys import any_service
 from shared.wire.memory import MemoryBus, MemoryRouter
-from tests.integration.correction_api.keeper import turn_rounds
+from tests.integration.correction_api.keeper import UNJUDGED, turn_rounds
 from tests.unit.learner.records import decision, ruling
 
 
@@ -95,6 +95,7 @@ def test_the_lineage_has_rounds_versions_and_rulings_without_what_they_are_made_
     assert passed.trials is not None
     assert (passed.trials.before.share, passed.trials.after.share) == (0.52, 0.71)
     assert (passed.trials.after.n, passed.trials_p, passed.promotable) == (200, 0.0002, False)
+    assert (passed.unjudged, refused.unjudged) == (UNJUDGED, "")
     assert refused.held_out is not None
     assert (refused.held_out.after.n, refused.promotable) == (40, True)
     (ruled,) = told.rulings

@@ -78,6 +78,50 @@ def outcome(order: TrialOrder, success: bool) -> TrialResult:
     )
 
 
+# -- labels
+
+
+def judged_by_few(bench: Bench, gate: GateSettings) -> Bench:
+    """A learner whose first candidate had fewer labels held out than it takes to be judged."""
+    bench.restart(gate)
+    bench.happens("e-1")
+    bench.beat()
+    bench.trainer.outcome = bench.candidate(held_out=3)
+    bench.beat()
+    return bench
+
+
+def test_a_candidate_that_nothing_could_judge_stays_here_until_somebody_promotes_it(
+    bench: Bench,
+) -> None:
+    judged_by_few(bench, GateSettings())
+    (round_,) = bench.store.rounds()
+    assert round_.state is RoundState.REFUSED
+    assert round_.reason.startswith("held out 3 labels, needs 20: not judged; corrections go on")
+    assert round_.figures["unjudged"] == "held out 3 labels, needs 20: not judged"
+    assert str(bench.announced().version) == "2.0"
+    rule(bench, verb=Verb.PROMOTE, round=1)
+    assert str(bench.announced().version) == "2.1"
+
+
+def test_what_goes_out_unjudged_by_setting_has_that_on_record(bench: Bench) -> None:
+    judged_by_few(bench, GateSettings(unjudged="let-out"))
+    (round_,) = bench.store.rounds()
+    assert round_.state is RoundState.PASSED
+    assert "not judged" in round_.figures["unjudged"]
+    assert str(bench.announced().version) == "2.1"
+
+
+def test_where_labels_are_too_few_trials_judge_and_the_record_says_both(bench: Bench) -> None:
+    judged_by_few(bench, TRIALS)
+    assert bench.state() is LearnerState.JUDGING
+    Evaluator(bench).work(better=True)
+    bench.beat()
+    (round_,) = bench.store.rounds()
+    assert (round_.state, round_.figures["trials"]["candidate"]["n"]) == (RoundState.PASSED, PAIRS)
+    assert "not judged" in round_.figures["unjudged"]
+
+
 # -- trials
 
 
@@ -219,6 +263,71 @@ def test_a_version_that_does_worse_on_a_robot_is_taken_back_from_it(
     version = bench.store.version()
     assert version is not None
     assert (version.number, version.again) == (2, 0)
+
+
+def test_a_version_passes_on_no_robot_while_there_is_nothing_to_compare_it_with(
+    bench: Bench,
+) -> None:
+    trained(bench, GateSettings())
+    bench.restart(CANARY)
+    bench.happens("e-2")  # Under the version that is no longer in force.
+    bench.beat()
+    bench.trainer.outcome = bench.candidate(2.0)
+    bench.beat()
+    for number in range(3):
+        ran(bench, f"first-{number}", "3.2")
+    bench.beat()
+    waiting = bench.store.rounds()[1]
+    assert (waiting.state, bench.state()) == (RoundState.RUNNING, LearnerState.JUDGING)
+    assert waiting.reason.startswith("no episode ended under the version before")
+    assert "900 s at most" in waiting.reason
+    ran(bench, "other-0", "3.1", robot="robot-2")
+    bench.beat()
+    assert str(bench.announced().version) == "3.2"
+    assert bench.store.rounds()[1].reason == ""
+
+
+def test_a_version_that_was_put_back_is_compared_by_what_it_did_under_its_earlier_number(
+    bench: Bench,
+) -> None:
+    trained(bench, GateSettings())
+    rule(bench, version=0)
+    bench.restart(CANARY)
+    bench.happens("e-2")
+    bench.beat()
+    bench.trainer.outcome = bench.candidate(2.0)
+    bench.beat()
+    for number in range(3):
+        ran(bench, f"first-{number}", "3.3")
+    bench.beat()  # Version 2 has the weights of 0, under which e-1 and e-2 were run.
+    assert str(bench.announced().version) == "3.3"
+
+
+def test_a_rollback_to_what_is_in_force_takes_a_version_back_from_the_robots_that_go_first(
+    bench: Bench,
+) -> None:
+    trained(bench, CANARY)
+    assert str(canary(bench).version) == "2.1"
+    said = rule(bench, version=0)
+    assert bench.store.answers()[0].made == 2
+    told = bench.announced()
+    assert (str(told.version), told.robots) == ("2.2", ())
+    assert told.tensors == bench.origin().tensors
+    version = bench.store.version()
+    assert version is not None
+    assert (version.again, version.ruling) == (0, said.id)
+    (round_,) = bench.store.rounds()
+    assert (round_.state, round_.reason) == (
+        RoundState.FAILED,
+        "version 2 was put in force while it ran",
+    )
+    for number in range(9):
+        ran(bench, f"first-{number}", "2.1")
+    bench.beat()
+    assert str(bench.announced().version) == "2.2"
+    refused_now = rule(bench, version=2)
+    assert "version 2 is in force" in bench.store.answers()[1].reason
+    assert refused_now.version == 2
 
 
 def test_a_robot_that_never_finishes_its_episodes_takes_the_version_back(bench: Bench) -> None:
