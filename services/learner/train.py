@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 import torch
 
+from services.learner.code import code_version
 from services.learner.config import Recipe, TrainSettings
 from services.learner.gate import Candidate, Figures, keep_aside, split
 from services.learner.gather import (
@@ -31,14 +32,16 @@ from services.learner.labels.aggregate import Label, derive, sha256_labels
 from services.learner.labels.balance import balance
 from services.learner.labels.spell import spelling
 from services.learner.process import Job, Report
+from services.learner.rounds import check_sources
 from services.learner.store.sql import SqlStore
 from services.learner.store.store import PolicyRecord, Round, Store
 from services.learner.store.tensors import TensorFiles
+from services.learner.trials import policy_sha256
 from shared.errors import HldError, PolicyError
 from shared.intervals import mcnemar
 from shared.messages.goal import LanguageGoal
 from shared.policies import examples
-from shared.policies.checkpoint import bundled
+from shared.policies.checkpoint import bundled, load_card
 from shared.policies.examples import Examples
 from shared.policies.fit import fit
 from shared.policies.fitter import FitSettings
@@ -76,6 +79,7 @@ def fine_tune(
     history = store.history(round_.manifest)
     labels = derive(history, recipe.labels, in_force.low_level_sha256)
     first = _record(store, 0)
+    check_sources(round_.manifest, base=policy_sha256(first), parent=policy_sha256(in_force))
     unknown = unread(labels, first.bank, meaning)
     asked = meant(spelling(history.rulings), first.bank, meaning)
     obeyed = [label for label in labels if label.text not in unknown]
@@ -114,6 +118,7 @@ def fine_tune(
         retained_before=knew,
         retained_after=known(policy, retained),
         unread=unknown,
+        code=code_version(),
     )
     return Candidate(
         tensors=tuple(files.add(name, array) for name, array in policy.tensors().items()),
@@ -198,7 +203,9 @@ def _work(job: Job, progress: Progress) -> Report:
         os.nice(settings.nice)
         torch.set_num_threads(settings.threads)
         try:
-            demonstrations = examples.load(job.demonstrations or bundled("demonstrations"))
+            folder = job.demonstrations or bundled("demonstrations")
+            check_sources(round_.manifest, demonstrations=load_card(folder).tensors_sha256)
+            demonstrations = examples.load(folder)
             files = TensorFiles(job.tensors)
             reads = reader(job.low_level or bundled("low_level"), any_of_several=True)
             candidate = fine_tune(

@@ -11,6 +11,7 @@ from services.learner.config import LearnerSettings, Recipe
 from services.learner.loop import ATTEMPTS
 from services.learner.store.memory import MemoryStore
 from services.learner.store.store import PolicyRecord, RoundState
+from services.learner.trials import policy_sha256
 from shared.errors import PolicyError, RefusedError
 from shared.messages.heartbeat import LearnerState
 from shared.policies.checkpoint import load_card
@@ -40,6 +41,9 @@ def test_corrections_become_a_round_and_the_round_a_version(bench: Bench) -> Non
     (round_,) = bench.trainer.begun
     assert (round_.number, round_.parent, round_.manifest.corrections) == (1, 0, 2)
     assert Recipe.model_validate(round_.manifest.settings) == LearnerSettings().recipe()
+    base = policy_sha256(bench.origin())
+    assert (round_.manifest.base, round_.manifest.parent) == (base, base)
+    assert round_.manifest.demonstrations == bench.trainer.demonstrations()
     assert bench.state() is LearnerState.TRAINING
     assert bench.learner.heartbeat().progress == 0.5
     bench.trainer.outcome = bench.candidate()

@@ -8,6 +8,7 @@ import pytest
 import torch
 
 from services.learner.build import origin
+from services.learner.code import code_version
 from services.learner.config import Recipe, TrainSettings
 from services.learner.frozen import FrozenLowLevel
 from services.learner.gate import Candidate, keep_aside
@@ -17,6 +18,8 @@ from services.learner.store.memory import MemoryStore
 from services.learner.store.store import Manifest, Round, RoundState
 from services.learner.store.tensors import TensorFiles, unpack
 from services.learner.train import fine_tune, reader
+from services.learner.trials import policy_sha256
+from shared.errors import PolicyError
 from shared.goals.language.bank import PhraseBank
 from shared.messages.observation import Observation
 from shared.messages.policy import TensorRef
@@ -123,6 +126,21 @@ def test_the_same_manifest_and_seed_make_the_same_candidate_to_the_bit(workshop:
     assert second.tensors == first.tensors
     assert second.figures.labels_sha256 == first.figures.labels_sha256
     assert workshop.train(workshop.round(seed=2)).tensors != first.tensors
+
+
+@pytest.mark.parametrize("name", ["base", "parent"])
+def test_a_round_is_not_made_from_another_version_than_it_began_with(
+    workshop: Workshop, name: str
+) -> None:
+    workshop.happens("e-1", HAM)
+    round_ = workshop.round()
+    began = {name: policy_sha256(workshop.base.model_copy(update={"bank": ("another",)}))}
+    round_ = round_.model_copy(update={"manifest": round_.manifest.model_copy(update=began)})
+    with pytest.raises(PolicyError, match="changed since the round began"):
+        workshop.train(round_)
+    right = {name: policy_sha256(workshop.base)}
+    round_ = round_.model_copy(update={"manifest": round_.manifest.model_copy(update=right)})
+    assert workshop.train(round_).figures.code == code_version()
 
 
 def test_a_training_that_was_cut_off_goes_on_and_makes_the_same_candidate(
