@@ -20,8 +20,8 @@ SOURCES = {
 class RoundSettings(Settings):
     """What sets a round off; whatever comes first does, and 0 switches a trigger off.
 
-    corrections: new overrides in finished episodes, and commands newly said of the past. episodes:
-        newly finished ones.
+    corrections: new overrides in finished episodes, commands newly said of the past, and what a
+        round had and was taken back since. episodes: newly finished ones.
     after_s: seconds since the last round, if there is at least one new correction.
     max_rounds: then only collect; 0 goes on for ever.
     patience_s: how long an episode may wait for decisions and corrections that it speaks of.
@@ -38,7 +38,7 @@ class Stock(NamedTuple):
     """The episodes that no round has used.
 
     ready: all is here that they speak of. short: not all of it, and no longer waited for.
-    waiting: not all of it yet. hindsight: commands newly said of the past.
+    waiting: not all of it yet. hindsight: as in `Survey`.
     """
 
     ready: tuple[Arrival, ...]

@@ -22,10 +22,10 @@ from services.learner.gate import Candidate, Figures, keep_aside, split
 from services.learner.gather import (
     agreed,
     gather,
-    grow,
     known,
     meant,
     open_version,
+    renew,
     unread,
 )
 from services.learner.labels.aggregate import Label, derive, sha256_labels
@@ -90,7 +90,7 @@ def fine_tune(
     before, knew = agreed(policy, held_out, store, asked), known(policy, retained)
     if recipe.train.start == "base":
         policy = open_version(first, files)
-    bank, spelt = grow(policy.bank, obeyed)
+    bank, spelt = renew(policy.bank, first.bank, obeyed)
     learned = [*treat(kept)] if treat else kept
     said = gather(balance(learned, recipe.balance), spelt, store) if learned else None
 

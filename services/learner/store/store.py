@@ -172,7 +172,8 @@ class Arrival(NamedTuple):
 
 
 class Survey(NamedTuple):
-    """What no round has used yet, and how far the tables had grown. hindsight: see `HINDSIGHT`."""
+    """What no round has used yet, and how far the tables had grown. hindsight: what was said of the
+    past since (`HINDSIGHT`), and what the last round had and was taken back."""
 
     marks: Marks
     arrivals: tuple[Arrival, ...]

@@ -70,6 +70,24 @@ def test_a_command_said_of_an_episode_that_was_learned_from_begins_a_round(bench
     assert bench.trainer.begun[1].manifest.corrections == 2
 
 
+def test_what_was_learned_and_is_taken_back_begins_a_round_by_itself(bench: Bench) -> None:
+    bench.happens("e-1")
+    bench.beat()
+    bench.trainer.outcome = bench.candidate(learned=("e-1-0", "e-1-1"))
+    bench.beat()
+    bench.store.add(correction("r-0", kind="retract", target="e-1-0"), 1)
+    bench.beat()
+    assert len(bench.trainer.begun) == 1
+    bench.store.add(correction("r-1", kind="retract", target="e-1-1"), 1)
+    bench.beat()
+    assert [round_.number for round_ in bench.trainer.begun] == [1, 2]
+    assert bench.trainer.begun[1].manifest.corrections == 2
+    bench.trainer.outcome = bench.candidate()
+    bench.beat()
+    bench.beat(9)
+    assert len(bench.trainer.begun) == 2  # It counts once.
+
+
 def test_robots_can_fetch_what_was_announced(bench: Bench) -> None:
     ref = bench.announced().tensors[0]
     key = service_key("lab", "learner", "learner", "tensor")

@@ -12,7 +12,7 @@ from services.learner.code import code_version
 from services.learner.config import Recipe, TrainSettings
 from services.learner.frozen import FrozenLowLevel
 from services.learner.gate import Candidate, keep_aside
-from services.learner.gather import gather, grow, open_version
+from services.learner.gather import gather, open_version, renew
 from services.learner.labels.aggregate import Ground, Label, LabelSettings, derive
 from services.learner.store.memory import MemoryStore
 from services.learner.store.store import Manifest, Round, RoundState
@@ -217,8 +217,33 @@ def test_what_is_told_by_its_scene_is_learned_and_means_nothing_in_any() -> None
     assert reader(bundled("low_level"), any_of_several=True)("I don't like ham") is None
 
 
+def test_a_phrase_that_was_taken_back_or_put_otherwise_leaves_the_bank_in_the_next_round(
+    workshop: Workshop,
+) -> None:
+    for name, text in (
+        ("e-1", "grab the ham"),
+        ("e-2", "get the toast"),
+        ("e-3", "Pick up the ham."),
+    ):
+        workshop.happens(name, text)
+    first = workshop.round()
+    made = workshop.train(first)
+    assert made.bank == (*BANK, "grab the ham", "get the toast")
+    workshop.store.begin(first)
+    new = {"number": 1, "bank": made.bank, "tensors": made.tensors, "settings": made.settings}
+    record = workshop.base.model_copy(update=new)
+    workshop.store.end(first.model_copy(update={"state": RoundState.PASSED, "made": 1}), record)
+    about = {"target": "e-1-c", "episode": "e-1"}
+    workshop.store.add(correction("r", kind="retract", **about), 1)
+    about = {"target": "e-2-c", "episode": "e-2"}
+    workshop.store.add(correction("w", "fetch the toast", kind="edit", **about), 1)
+    again = workshop.train(workshop.round(parent=1))
+    assert again.bank == (*BANK, "fetch the toast")
+    assert record.bank == made.bank  # A version keeps what it was made with.
+
+
 def test_a_label_takes_the_spelling_of_the_bank() -> None:
-    bank, spelling = grow(PhraseBank.of(["Wait.", HAM]), [])
+    bank, spelling = renew(PhraseBank.of(["Wait.", HAM]), ["Wait.", HAM], [])
     assert len(bank) == 2
     assert spelling == {"wait": "Wait.", HAM: HAM}
 
