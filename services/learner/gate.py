@@ -66,6 +66,7 @@ class Figures(BaseModel):
         share of them that both propose rightly.
     unread: phrases that people said of the past and that the low level understands no command in;
         they are in no bank, and nothing was learned from them.
+    code: which code trained it; another one than in the manifest where a later learner went on.
     loss: mean over the last steps. finite: no weight is infinite or not a number. seconds: it took.
     """
 
@@ -84,6 +85,7 @@ class Figures(BaseModel):
     retained_before: float | None = None
     retained_after: float | None = None
     unread: tuple[str, ...] = ()
+    code: str = ""
 
 
 class Candidate(BaseModel):

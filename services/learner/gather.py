@@ -1,7 +1,7 @@
 """What labelled decisions look like to the network, and how far a version agrees with them.
 
 Between `aggregate` and training: pictures and words as the high level was shown them, from the
-store; the bank, grown by every phrase that a label holds.
+store; the bank, with every phrase that a label holds.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -31,12 +31,18 @@ def open_version(record: PolicyRecord, files: TensorFiles) -> HighLevel:
     return HighLevel.build(announcement(record, record.epoch, "learner"), tensors)
 
 
-def grow(bank: PhraseBank, labels: Sequence[Label]) -> tuple[PhraseBank, dict[str, str]]:
-    """A bank that holds every label, and how it spells each.
+def renew(
+    bank: PhraseBank, first: Iterable[str], labels: Sequence[Label]
+) -> tuple[PhraseBank, dict[str, str]]:
+    """A bank that holds every label and all of the first bank, and how it spells each.
 
     A phrase that nobody used before is added at the end: the head compares vectors, so it needs
-    no new weights.
+    no new weights. One that was learned and that no label has any more, since it was taken back or
+    put otherwise, leaves: what can't be proposed is not said.
     """
+    held = {canonical(phrase) for phrase in first} | {label.text for label in labels}
+    rows = [row for row, phrase in enumerate(bank.phrases) if canonical(phrase) in held]
+    bank = PhraseBank(tuple(bank.phrases[row] for row in rows), bank.vectors[rows])
     spelling = {canonical(phrase): phrase for phrase in reversed(bank.phrases)}
     for label in labels:
         if label.text not in spelling:

@@ -13,6 +13,7 @@ from services.learner.publish import LEARNER
 from services.learner.rounds import due, last_manifest, next_manifest, take_stock
 from services.learner.rulings import carry_out
 from services.learner.store.store import Manifest, PolicyRecord, Round, RoundState
+from services.learner.trials import policy_sha256
 from services.learner.turn import Parts, Turn
 from shared.errors import FrozenError, RefusedError
 from shared.messages.heartbeat import LearnerHeartbeat, LearnerState
@@ -119,12 +120,27 @@ class Learner:
             epoch=self._epoch,
             parent=self._in_force.number,
             seed=self._settings.seed + number,
-            manifest=next_manifest(marks, stock, self._settings.recipe().model_dump(mode="json")),
+            manifest=next_manifest(
+                marks,
+                stock,
+                self._settings.recipe().model_dump(mode="json"),
+                **self._sources(),
+            ),
             begun_ns=parts.clock.now_ns(),
         )
         parts.store.begin(round_)
         self._rounds = (*self._rounds, round_)
         self._begin(round_)
+
+    def _sources(self) -> dict[str, str]:
+        """Hashes of what a round starts from, for its manifest."""
+        base = self._parts.store.version(0)
+        assert base is not None  # The store was founded with it.
+        return {
+            "demonstrations": self._parts.trainer.demonstrations(),
+            "base": policy_sha256(base),
+            "parent": policy_sha256(self._in_force),
+        }
 
     def _resume(self) -> None:
         """Begin a round again that was at work when its learner died."""

@@ -7,6 +7,7 @@ at any moment, and one that runs out of memory takes no acknowledged record with
 import subprocess
 import sys
 import threading
+from contextlib import suppress
 from pathlib import Path
 from typing import IO, cast
 
@@ -16,6 +17,7 @@ from pydantic import BaseModel, ConfigDict
 from services.learner.gate import Candidate
 from services.learner.store.store import Round
 from shared.errors import PolicyError
+from shared.policies.checkpoint import bundled, load_card
 
 COMMAND = (sys.executable, "-m", "services.learner.train")
 ATTEMPTS = 3
@@ -67,6 +69,15 @@ class TrainProcess:
         self._running: _Running | None = None
         self._attempts = 0
         self._log = structlog.get_logger()
+
+    def demonstrations(self) -> str:
+        """Hash of the demonstrations that a round would learn from; "" where it can't be told.
+
+        Where there are none to be read, the training is what says so.
+        """
+        with suppress(PolicyError):
+            return load_card(self._demonstrations or bundled("demonstrations")).tensors_sha256
+        return ""
 
     def start(self, round_: Round) -> None:
         """Begin to train; returns at once."""

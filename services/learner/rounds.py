@@ -8,13 +8,20 @@ from pydantic import Field
 from services.learner.code import code_version
 from services.learner.store.store import Arrival, Manifest, Marks, Round
 from shared.config import Settings
+from shared.errors import PolicyError
+
+SOURCES = {
+    "demonstrations": "the demonstrations",
+    "base": "the first version of the store",
+    "parent": "the version that it starts from",
+}
 
 
 class RoundSettings(Settings):
     """What sets a round off; whatever comes first does, and 0 switches a trigger off.
 
-    corrections: new overrides in finished episodes, and commands newly said of the past. episodes:
-        newly finished ones.
+    corrections: new overrides in finished episodes, commands newly said of the past, and what a
+        round had and was taken back since. episodes: newly finished ones.
     after_s: seconds since the last round, if there is at least one new correction.
     max_rounds: then only collect; 0 goes on for ever.
     patience_s: how long an episode may wait for decisions and corrections that it speaks of.
@@ -31,7 +38,7 @@ class Stock(NamedTuple):
     """The episodes that no round has used.
 
     ready: all is here that they speak of. short: not all of it, and no longer waited for.
-    waiting: not all of it yet. hindsight: commands newly said of the past.
+    waiting: not all of it yet. hindsight: as in `Survey`.
     """
 
     ready: tuple[Arrival, ...]
@@ -79,8 +86,11 @@ def due(stock: Stock, waited_s: float, begun: int, settings: RoundSettings) -> b
     )
 
 
-def next_manifest(marks: Marks, stock: Stock, settings: dict[str, Any]) -> Manifest:
-    """Everything up to `marks`, but for the episodes that are still waited for."""
+def next_manifest(marks: Marks, stock: Stock, settings: dict[str, Any], **sources: str) -> Manifest:
+    """Everything up to `marks`, but for the episodes that are still waited for.
+
+    sources: hashes of demonstrations, base and parent, as in `Manifest`.
+    """
     return Manifest(
         marks=marks,
         excluded=tuple(arrival.episode for arrival in stock.waiting),
@@ -88,7 +98,25 @@ def next_manifest(marks: Marks, stock: Stock, settings: dict[str, Any]) -> Manif
         code=code_version(),
         episodes=stock.episodes,
         corrections=stock.corrections,
+        **sources,
     )
+
+
+def check_sources(manifest: Manifest, **found: str) -> None:
+    """Hold what a round is to be made from against what it began with.
+
+    found: as `sources` of `next_manifest`; what a manifest doesn't tell is not looked at.
+
+    Raises:
+        PolicyError: it is not the same; nothing that this manifest speaks of could come of it.
+    """
+    for name, now in found.items():
+        then = getattr(manifest, name)
+        if then and now != then:
+            raise PolicyError(
+                f"{SOURCES[name]} changed since the round began (sha256 {then[:16]} then, "
+                f"{now[:16]} now): put back what was there, or let a new round begin with this"
+            )
 
 
 def last_manifest(rounds: Iterable[Round]) -> Manifest:

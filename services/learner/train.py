@@ -17,29 +17,32 @@ import numpy as np
 import torch
 
 from services.learner.anchor import anchor
+from services.learner.code import code_version
 from services.learner.config import Recipe, TrainSettings
 from services.learner.gate import Candidate, Figures, keep_aside, split
 from services.learner.gather import (
     agreed,
     gather,
-    grow,
     known,
     meant,
     open_version,
+    renew,
     unread,
 )
 from services.learner.labels.aggregate import Label, derive, sha256_labels
 from services.learner.labels.balance import balance
 from services.learner.labels.spell import spelling
 from services.learner.process import Job, Report
+from services.learner.rounds import check_sources
 from services.learner.store.sql import SqlStore
 from services.learner.store.store import PolicyRecord, Round, Store
 from services.learner.store.tensors import TensorFiles
+from services.learner.trials import policy_sha256
 from shared.errors import HldError, PolicyError
 from shared.intervals import mcnemar
 from shared.messages.goal import LanguageGoal
 from shared.policies import examples
-from shared.policies.checkpoint import bundled
+from shared.policies.checkpoint import bundled, load_card
 from shared.policies.examples import Examples
 from shared.policies.fit import fit
 from shared.policies.fitter import FitSettings
@@ -77,6 +80,7 @@ def fine_tune(
     history = store.history(round_.manifest)
     labels = derive(history, recipe.labels, in_force.low_level_sha256)
     first = _record(store, 0)
+    check_sources(round_.manifest, base=policy_sha256(first), parent=policy_sha256(in_force))
     unknown = unread(labels, first.bank, meaning)
     asked = meant(spelling(history.rulings), first.bank, meaning)
     obeyed = [label for label in labels if label.text not in unknown]
@@ -87,7 +91,7 @@ def fine_tune(
     before, knew = agreed(policy, held_out, store, asked), known(policy, retained)
     if recipe.train.start == "base":
         policy = open_version(first, files)
-    bank, spelt = grow(policy.bank, obeyed)
+    bank, spelt = renew(policy.bank, first.bank, obeyed)
     learned = [*treat(kept)] if treat else kept
     said = gather(balance(learned, recipe.balance), spelt, store) if learned else None
 
@@ -116,6 +120,7 @@ def fine_tune(
         retained_before=knew,
         retained_after=known(policy, retained),
         unread=unknown,
+        code=code_version(),
     )
     return Candidate(
         tensors=tuple(files.add(name, array) for name, array in policy.tensors().items()),
@@ -200,7 +205,9 @@ def _work(job: Job, progress: Progress) -> Report:
         os.nice(settings.nice)
         torch.set_num_threads(settings.threads)
         try:
-            demonstrations = examples.load(job.demonstrations or bundled("demonstrations"))
+            folder = job.demonstrations or bundled("demonstrations")
+            check_sources(round_.manifest, demonstrations=load_card(folder).tensors_sha256)
+            demonstrations = examples.load(folder)
             files = TensorFiles(job.tensors)
             reads = reader(job.low_level or bundled("low_level"), any_of_several=True)
             candidate = fine_tune(

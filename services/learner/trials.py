@@ -14,7 +14,7 @@ from typing import Annotated, Any, NamedTuple
 import structlog
 from pydantic import Field
 
-from services.learner.store.store import Store, Trial
+from services.learner.store.store import PolicyRecord, Store, Trial
 from shared.clock import Clock
 from shared.config import Settings
 from shared.errors import RefusedError
@@ -226,7 +226,7 @@ def compare(
     return "", figures
 
 
-def policy_sha256(policy: PolicyAnnouncement) -> str:
+def policy_sha256(policy: PolicyAnnouncement | PolicyRecord) -> str:
     """Over all that makes a policy act: tensors, bank and settings, and not how it is called."""
     tensors = sorted((ref.name, ref.sha256) for ref in policy.tensors)
     return _sha256([tensors, policy.bank, policy.settings])

@@ -29,6 +29,10 @@ WATCH_NS = 1_000_000_000
 class Trainer(Protocol):
     """Trains one round at a time, beside the learner's own thread."""
 
+    def demonstrations(self) -> str:
+        """Hash of the demonstrations that a round would learn from; "" where it can't be told."""
+        ...
+
     def start(self, round_: Round) -> None:
         """Begin to train; returns at once."""
         ...

@@ -86,9 +86,15 @@ class MemoryStore:
                 for place, (episode, arrived_ns) in enumerate(self._kept[Episode].values())
                 if place >= after.marks.episodes or episode.id in after.excluded
             )
-            said = [*self._all(Correction)][after.marks.corrections :]
-            hindsight = sum(correction.kind in HINDSIGHT for correction in said)
-            return Survey(self._marks(), tuple(arrivals), hindsight)
+            return Survey(self._marks(), tuple(arrivals), self._hindsight(after))
+
+    def _hindsight(self, after: Manifest) -> int:
+        said = [*self._all(Correction)]
+        had, since = said[: after.marks.corrections], said[after.marks.corrections :]
+        known = {one.id for one in self.history(after).episodes}
+        retracted = {one.target for one in since if one.kind is Kind.RETRACT}
+        back = sum(one.id in retracted and one.episode in known for one in had)
+        return back + sum(one.kind in HINDSIGHT for one in since)
 
     def _arrival(self, episode: Episode, arrived_ns: int) -> Arrival:
         decisions = sum(kept.episode == episode.id for kept in self._all(Decision))

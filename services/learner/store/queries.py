@@ -36,8 +36,9 @@ from services.learner.store.tables import (
     VERSIONS,
 )
 from shared.errors import RefusedError
-from shared.messages.correction import HINDSIGHT, Kind
+from shared.messages.correction import HINDSIGHT, Correction, Kind
 from shared.messages.episode import Outcome
+from shared.wire.codec import decode
 
 
 def epoch(connection: Connection) -> int:
@@ -108,12 +109,18 @@ def arrivals(connection: Connection, after: Manifest) -> tuple[Arrival, ...]:
     )
 
 
-def hindsight(connection: Connection, since: Marks) -> int:
-    """How many commands were said of the past after `since`."""
-    question = select(func.count()).where(
-        CORRECTIONS.c.sequence > since.corrections, CORRECTIONS.c.kind.in_(map(str, HINDSIGHT))
+def hindsight(connection: Connection, after: Manifest) -> int:
+    """How many commands were said of the past since, and how many that it had were taken back."""
+    since = CORRECTIONS.c.sequence > after.marks.corrections
+    said = select(func.count()).where(since, CORRECTIONS.c.kind.in_(map(str, HINDSIGHT)))
+    retracts = select(CORRECTIONS.c.body).where(since, CORRECTIONS.c.kind == str(Kind.RETRACT))
+    targets = {decode(Correction, body).target for body in connection.scalars(retracts)}
+    had = select(func.count()).where(
+        CORRECTIONS.c.id.in_(targets),
+        CORRECTIONS.c.sequence <= after.marks.corrections,
+        CORRECTIONS.c.episode.in_(episodes_of(after)(EPISODES.c.id)),
     )
-    return connection.scalar(question) or 0
+    return (connection.scalar(said) or 0) + (connection.scalar(had) or 0 if targets else 0)
 
 
 def episodes_of(manifest: Manifest) -> Callable[[ColumnElement[Any]], Select[Any]]:

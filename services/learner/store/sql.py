@@ -113,7 +113,7 @@ class SqlStore:
             return Survey(
                 queries.marks(connection),
                 queries.arrivals(connection, after),
-                queries.hindsight(connection, after.marks),
+                queries.hindsight(connection, after),
             )
 
     def history(self, manifest: Manifest) -> History:

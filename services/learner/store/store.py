@@ -40,6 +40,8 @@ class Manifest(_Record):
     all of their decisions and corrections; the next round looks at them again.
     settings: of the labels, the training and the gate, as JSON values. code: see `code.py`.
     episodes, corrections: how many of each were new since the round before.
+    demonstrations, base, parent: sha256 of the demonstrations, of the store's first version and of
+    the one it starts from; "" in records from before this was kept.
     """
 
     marks: Marks = Marks()
@@ -48,6 +50,9 @@ class Manifest(_Record):
     code: str = ""
     episodes: int = 0
     corrections: int = 0
+    demonstrations: str = ""
+    base: str = ""
+    parent: str = ""
 
 
 class RoundState(StrEnum):
@@ -106,10 +111,7 @@ class PolicyRecord(_Record):
 
 
 class Answer(_Record):
-    """What became of a ruling. made: the number of the version that it put in force.
-
-    reason: why it could not be done; "" where it was.
-    """
+    """What became of a ruling. made: number of the version put in force. reason: why it is none."""
 
     ruling: Ruling
     answered_ns: int | None = None
@@ -118,10 +120,7 @@ class Answer(_Record):
 
 
 class Trial(_Record):
-    """One episode of a gate's evaluation.
-
-    policy, plan: hashes of what was evaluated, and of where and how. row: as `hld evaluate` has it.
-    """
+    """One episode of a gate's evaluation. policy, plan: hashes. row: as `hld evaluate` has it."""
 
     policy: str
     plan: str
@@ -173,7 +172,8 @@ class Arrival(NamedTuple):
 
 
 class Survey(NamedTuple):
-    """What no round has used yet, and how far the tables had grown. hindsight: see `HINDSIGHT`."""
+    """What no round has used yet, and how far the tables had grown. hindsight: what was said of the
+    past since (`HINDSIGHT`), and what the last round had and was taken back."""
 
     marks: Marks
     arrivals: tuple[Arrival, ...]

@@ -1,9 +1,11 @@
 """A learner process over the real bus: it turns rounds, and no crash makes it lose or double."""
 
+import shutil
 import threading
 from collections import Counter
 from contextlib import closing
 from functools import partial
+from pathlib import Path
 
 from sqlalchemy import text
 
@@ -12,13 +14,15 @@ from services.learner.store.sql import open_engine, sqlite_url
 from services.learner.store.store import RoundState
 from services.learner.store.tensors import unpack
 from shared.messages.heartbeat import LearnerState
+from shared.policies import examples
+from shared.policies.checkpoint import load_card
 from shared.policies.high_level import HighLevel
 from shared.wire.keys import service_key
 from shared.wire.tensors import TensorFetcher
 from tests.integration.learner.lab import Lab
 from tests.integration.learner.process import lives, until
 from tests.integration.learner.world import Sent, happenings
-from tests.unit.learner.checkpoints import BANK
+from tests.unit.learner.checkpoints import BANK, Checkpoints
 from tests.unit.learner.records import HAM
 
 
@@ -93,6 +97,32 @@ def test_a_round_cut_off_in_training_is_done_once_by_the_next_learner(lab: Lab) 
         (round_,) = store.rounds()
         assert (round_.state, round_.epoch, round_.made) == (RoundState.PASSED, 1, 1)
         assert len(store.history(round_.manifest).corrections) == 3
+
+
+def test_a_round_that_was_cut_off_is_not_made_from_other_demonstrations(
+    lab: Lab, checkpoints: Checkpoints, tmp_path: Path
+) -> None:
+    folder = tmp_path / "demonstrations"
+    shutil.copytree(checkpoints.demonstrations, folder)
+    rounds = {"round__corrections": 3, "train__steps": 100_000, "demonstrations": folder}
+    learner = lab.start(**rounds)
+    lab.wait_for("1.0")
+    for sent in happenings("e-1", lab.low_level_sha256):
+        lab.deliver(sent)
+    until(lambda: lab.beats[-1].progress > 0, "training is under way")
+    learner.kill()
+    other = examples.load(folder)
+    shown = other.take(range(len(other) - 1))
+    examples.save(folder, shown, load_card(folder))
+    lab.start(**rounds)
+    lab.wait_for("2.0")
+    with closing(lab.store()) as store:
+        until(lambda: store.rounds()[0].state is RoundState.FAILED, "the round is given up")
+        (round_,) = store.rounds()
+        before = load_card(checkpoints.demonstrations).tensors_sha256
+        assert round_.manifest.demonstrations == before
+        assert round_.reason.startswith("the demonstrations changed since the round began")
+        assert load_card(folder).tensors_sha256[:16] in round_.reason
 
 
 def test_what_arrives_while_a_round_trains_is_kept_and_the_end_need_not_wait(lab: Lab) -> None:

@@ -41,6 +41,9 @@ class FakeTrainer:
         self.outcome: Candidate | PolicyError | None = None
         self.stopped = 0
 
+    def demonstrations(self) -> str:
+        return "d" * 64
+
     def start(self, round_: Round) -> None:
         self.begun.append(round_)
 

@@ -11,6 +11,7 @@ from services.learner.config import LearnerSettings, Recipe
 from services.learner.loop import ATTEMPTS
 from services.learner.store.memory import MemoryStore
 from services.learner.store.store import PolicyRecord, RoundState
+from services.learner.trials import policy_sha256
 from shared.errors import PolicyError, RefusedError
 from shared.messages.heartbeat import LearnerState
 from shared.policies.checkpoint import load_card
@@ -40,6 +41,9 @@ def test_corrections_become_a_round_and_the_round_a_version(bench: Bench) -> Non
     (round_,) = bench.trainer.begun
     assert (round_.number, round_.parent, round_.manifest.corrections) == (1, 0, 2)
     assert Recipe.model_validate(round_.manifest.settings) == LearnerSettings().recipe()
+    base = policy_sha256(bench.origin())
+    assert (round_.manifest.base, round_.manifest.parent) == (base, base)
+    assert round_.manifest.demonstrations == bench.trainer.demonstrations()
     assert bench.state() is LearnerState.TRAINING
     assert bench.learner.heartbeat().progress == 0.5
     bench.trainer.outcome = bench.candidate()
@@ -64,6 +68,24 @@ def test_a_command_said_of_an_episode_that_was_learned_from_begins_a_round(bench
     bench.beat()
     assert [round_.number for round_ in bench.trainer.begun] == [1, 2]
     assert bench.trainer.begun[1].manifest.corrections == 2
+
+
+def test_what_was_learned_and_is_taken_back_begins_a_round_by_itself(bench: Bench) -> None:
+    bench.happens("e-1")
+    bench.beat()
+    bench.trainer.outcome = bench.candidate(learned=("e-1-0", "e-1-1"))
+    bench.beat()
+    bench.store.add(correction("r-0", kind="retract", target="e-1-0"), 1)
+    bench.beat()
+    assert len(bench.trainer.begun) == 1
+    bench.store.add(correction("r-1", kind="retract", target="e-1-1"), 1)
+    bench.beat()
+    assert [round_.number for round_ in bench.trainer.begun] == [1, 2]
+    assert bench.trainer.begun[1].manifest.corrections == 2
+    bench.trainer.outcome = bench.candidate()
+    bench.beat()
+    bench.beat(9)
+    assert len(bench.trainer.begun) == 2  # It counts once.
 
 
 def test_robots_can_fetch_what_was_announced(bench: Bench) -> None:

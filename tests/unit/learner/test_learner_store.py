@@ -170,6 +170,24 @@ def test_a_survey_counts_the_commands_that_were_newly_said_of_the_past(store: St
     assert store.survey(Manifest(marks=before.marks)).hindsight == 1
 
 
+def test_a_survey_counts_what_was_taken_back_if_the_last_round_had_it(store: Store) -> None:
+    store.add(correction("c", HAM), 1)
+    store.add(correction("w", HAM, kind="relabel", first_step=0, end_step=40), 1)
+    store.add(correction("d", HAM, episode="e-2"), 1)
+    store.add(episode(), 1)
+    store.add(episode("e-2"), 1)
+    manifest = Manifest(marks=store.survey(Manifest()).marks, excluded=("e-2",))
+    store.add(correction("n", TOAST), 1)
+    for number, target in enumerate(("c", "c", "w", "d", "n", "never")):
+        episode_ = "e-2" if target == "d" else "e-1"
+        taken = correction(f"r-{number}", kind="retract", target=target, episode=episode_)
+        store.add(taken, 1)
+    assert store.survey(manifest).hindsight == 2  # c and w; the others no round had.
+    assert store.survey(Manifest()).hindsight == 1  # w, newly said; nothing was had.
+    later = Manifest(marks=store.survey(manifest).marks)
+    assert store.survey(later).hindsight == 0
+
+
 def test_a_tally_counts_what_came_after_its_marks(store: Store) -> None:
     assert store.tally(Marks()) == Tally()
     for message in MESSAGES:

@@ -9,12 +9,14 @@ from hypothesis import strategies as st
 from services.learner.rounds import (
     RoundSettings,
     Stock,
+    check_sources,
     due,
     last_manifest,
     next_manifest,
     take_stock,
 )
 from services.learner.store.store import Arrival, Manifest, Marks, Round
+from shared.errors import PolicyError
 
 SECOND = 1_000_000_000
 
@@ -87,6 +89,20 @@ def test_a_manifest_leaves_out_only_the_episodes_that_are_waited_for() -> None:
     assert made.model_copy(update={"code": ""}) == Manifest(
         marks=Marks(episodes=2), excluded=("b",), settings={"x": 1}, episodes=1, corrections=2
     )
+
+
+def test_a_manifest_tells_what_its_round_starts_from_and_refuses_anything_else() -> None:
+    then = {"demonstrations": "a" * 64, "base": "b" * 64, "parent": "c" * 64}
+    manifest = next_manifest(Marks(), take_stock((), 0, 0), {}, **then)
+    check_sources(manifest, **then)
+    check_sources(Manifest(), **then)  # From before this was kept.
+    for name, what in (
+        ("demonstrations", "the demonstrations changed"),
+        ("base", "the first version of the store changed"),
+        ("parent", "the version that it starts from changed"),
+    ):
+        with pytest.raises(PolicyError, match=f"{what}.*{'e' * 16} now.*put back what was there"):
+            check_sources(manifest, **then | {name: "e" * 64})
 
 
 def test_the_first_round_looks_at_everything() -> None:

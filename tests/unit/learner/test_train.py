@@ -8,15 +8,18 @@ import pytest
 import torch
 
 from services.learner.build import origin
+from services.learner.code import code_version
 from services.learner.config import Recipe, TrainSettings
 from services.learner.frozen import FrozenLowLevel
 from services.learner.gate import Candidate, keep_aside
-from services.learner.gather import gather, grow, open_version
+from services.learner.gather import gather, open_version, renew
 from services.learner.labels.aggregate import Ground, Label, LabelSettings, derive
 from services.learner.store.memory import MemoryStore
 from services.learner.store.store import Manifest, Round, RoundState
 from services.learner.store.tensors import TensorFiles, unpack
 from services.learner.train import fine_tune, reader
+from services.learner.trials import policy_sha256
+from shared.errors import PolicyError
 from shared.goals.language.bank import PhraseBank
 from shared.messages.observation import Observation
 from shared.messages.policy import TensorRef
@@ -125,6 +128,21 @@ def test_the_same_manifest_and_seed_make_the_same_candidate_to_the_bit(workshop:
     assert workshop.train(workshop.round(seed=2)).tensors != first.tensors
 
 
+@pytest.mark.parametrize("name", ["base", "parent"])
+def test_a_round_is_not_made_from_another_version_than_it_began_with(
+    workshop: Workshop, name: str
+) -> None:
+    workshop.happens("e-1", HAM)
+    round_ = workshop.round()
+    began = {name: policy_sha256(workshop.base.model_copy(update={"bank": ("another",)}))}
+    round_ = round_.model_copy(update={"manifest": round_.manifest.model_copy(update=began)})
+    with pytest.raises(PolicyError, match="changed since the round began"):
+        workshop.train(round_)
+    right = {name: policy_sha256(workshop.base)}
+    round_ = round_.model_copy(update={"manifest": round_.manifest.model_copy(update=right)})
+    assert workshop.train(round_).figures.code == code_version()
+
+
 def test_a_training_that_was_cut_off_goes_on_and_makes_the_same_candidate(
     workshop: Workshop, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -199,8 +217,33 @@ def test_what_is_told_by_its_scene_is_learned_and_means_nothing_in_any() -> None
     assert reader(bundled("low_level"), any_of_several=True)("I don't like ham") is None
 
 
+def test_a_phrase_that_was_taken_back_or_put_otherwise_leaves_the_bank_in_the_next_round(
+    workshop: Workshop,
+) -> None:
+    for name, text in (
+        ("e-1", "grab the ham"),
+        ("e-2", "get the toast"),
+        ("e-3", "Pick up the ham."),
+    ):
+        workshop.happens(name, text)
+    first = workshop.round()
+    made = workshop.train(first)
+    assert made.bank == (*BANK, "grab the ham", "get the toast")
+    workshop.store.begin(first)
+    new = {"number": 1, "bank": made.bank, "tensors": made.tensors, "settings": made.settings}
+    record = workshop.base.model_copy(update=new)
+    workshop.store.end(first.model_copy(update={"state": RoundState.PASSED, "made": 1}), record)
+    about = {"target": "e-1-c", "episode": "e-1"}
+    workshop.store.add(correction("r", kind="retract", **about), 1)
+    about = {"target": "e-2-c", "episode": "e-2"}
+    workshop.store.add(correction("w", "fetch the toast", kind="edit", **about), 1)
+    again = workshop.train(workshop.round(parent=1))
+    assert again.bank == (*BANK, "fetch the toast")
+    assert record.bank == made.bank  # A version keeps what it was made with.
+
+
 def test_a_label_takes_the_spelling_of_the_bank() -> None:
-    bank, spelling = grow(PhraseBank.of(["Wait.", HAM]), [])
+    bank, spelling = renew(PhraseBank.of(["Wait.", HAM]), ["Wait.", HAM], [])
     assert len(bank) == 2
     assert spelling == {"wait": "Wait.", HAM: HAM}
 
