@@ -82,6 +82,7 @@ def crowded(folder: Path) -> Iterator[httpx.Client]:
                 robot.decide()
             learner.announce("1.1")
             learner.beat()
+            eventually(lambda: heard(api) == {robot.name: robot.episode for robot in fleet})
             for text in LONG[:8]:
                 told = {"kind": "override", "text": text, "author": "person"}
                 api.post("api/v1/robots/robot-1/corrections", json=told).raise_for_status()
@@ -89,6 +90,12 @@ def crowded(folder: Path) -> Iterator[httpx.Client]:
         learner.close()
         for robot in fleet:
             robot.close()
+
+
+def heard(api: httpx.Client) -> dict[str, str | None]:
+    """The episode in which each robot is, as far as the API has heard."""
+    robots = api.get("api/v1/robots").json()["robots"]
+    return {robot["robot"]: robot["episode"] for robot in robots}
 
 
 @contextmanager
