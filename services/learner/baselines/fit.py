@@ -11,7 +11,7 @@ from torch import Tensor
 from torch.nn import functional as F
 
 from services.learner.baselines.data import Looks, Teaching, lessons_of
-from services.learner.baselines.net import Pair
+from services.learner.baselines.net import Advice, Pair
 from services.learner.pretrain.high_fit import (
     MEANING_WEIGHT,
     PROMPTS,
@@ -35,6 +35,8 @@ from shared.policies.fitter import FitSettings, Fitter, Mean, keep, resumed
 from shared.policies.geometry import Geometry
 from shared.policies.precision import autocast, pixel_type
 from shared.policies.sources import joined
+from shared.policies.tokens import OBJECTS
+from shared.workcell.skills import COMMANDS
 
 KEPT_UPDATES = 200
 SAMPLING_SEED = 7
@@ -94,7 +96,7 @@ class ArmFit:
         self._ready = Lessons(looks.seen, settings.batch, bank, pair.trunk)
         self._rows = LookRows(looks, steps, pair.mover.geometry, rows)
         self._owner = torch.arange(settings.batch).repeat_interleave(rows)
-        self._phrases = torch.tensor(bank.vectors)
+        self._phrases, self._objects = torch.tensor(bank.vectors), objects_of(bank)
         torch.manual_seed(settings.seed)
         self._sight, self._reader = Witness(), Reader()
         unused = [part for part in pair.parameters() if not part.requires_grad]
@@ -131,10 +133,12 @@ class ArmFit:
             wishes = pair.trunk.wish(joined((question.words, extra)))
             minds, thought = pair.trunk.ponder(slots, wishes[: len(slots)], question)
             answer = pair.trunk.answer(thought)
-            advice = pair.advise(minds, thought, answer.meaning)
+            passed = pair.passed(answer.meaning, self._phrases, batch.labels)
+            advice = pair.advise(minds, thought, passed)
             motion = pair.move(rows.view, rows.orders, advice and advice.at(self._owner))
         moved = chunk_loss(motion.changes.float(), rows.view.now, rows.answers, rows.weights)
         loss = moved + self._told(answer.meaning, batch.labels) + self._finished(motion.done, rows)
+        loss = loss + self._pointed(advice, batch.labels)
         loss = loss + SIGHT_WEIGHT * self._sight.loss(slots.float(), status, positions)[0]
         both = Meanings(*map(torch.cat, zip(meanings, extra_meanings, strict=True)))
         loss = loss + MEANING_WEIGHT * self._reader.loss(wishes, both)[0]
@@ -151,6 +155,13 @@ class ArmFit:
         self._right.add((logits.argmax(-1) == labels).float().mean().item())
         return goal
 
+    def _pointed(self, advice: Advice | None, labels: Tensor) -> Tensor:
+        """Whether it points at what the right command is about; 0 where words point, or no label
+        is told."""
+        if advice is None or advice.pointing is None or not self.pair.labelled:
+            return torch.zeros(())
+        return F.cross_entropy(advice.pointing, self._objects[labels])
+
     def _finished(self, done: Tensor, rows: Lot) -> Tensor:
         """When a command is achieved; 0 for an arm whose goals are no commands."""
         if not self.pair.worded:
@@ -158,3 +169,9 @@ class ArmFit:
         told = F.binary_cross_entropy_with_logits(done.float(), rows.done, reduction="none")
         known = rows.weights[:, 0]
         return DONE_WEIGHT * (told * known).sum() / known.sum().clamp(min=1)
+
+
+def objects_of(bank: PhraseBank) -> Tensor:
+    """Where each command of a bank points, [C] int64: at an object, or at none, the last row."""
+    things = orders().things[[COMMANDS.index(phrase) for phrase in bank.phrases]]
+    return torch.where(things < 0, OBJECTS, things)

@@ -100,6 +100,16 @@ class Pair(nn.Module):
         """How many parameters learn."""
         return sum(part.numel() for part in self.parameters() if part.requires_grad)
 
+    def passed(self, meaning: Tensor, phrases: Tensor, right: Tensor | None = None) -> Tensor:
+        """The vector that the mover is advised by, [B, 384]: the meaning, but in the control that
+        of a phrase [C, 384], in learning of the right one, in acting of the likeliest one.
+
+        right: rows of phrases, [B]; None: nobody knows.
+        """
+        if self.arm != "guided":
+            return meaning
+        return phrases[self.trunk.scores(meaning, phrases).argmax(-1) if right is None else right]
+
     def advise(self, minds: Tensor, thought: Tensor, meaning: Tensor) -> Advice | None:
         """What the mover is to be told; of a hierarchy nothing but words."""
         return None if self.link is None else self.link(minds, thought, meaning)

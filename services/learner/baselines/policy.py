@@ -102,7 +102,8 @@ class Mind(HighLevel):
             slots, wishes = self.net.see(question.images), self.net.wish(question.words)
             minds, thought = self.net.ponder(slots, wishes, question)
             answer: Answer = self.net.answer(thought)
-            self.advice = self._pair.advise(minds, thought, answer.meaning)
+            passed = self._pair.passed(answer.meaning, self._phrases)
+            self.advice = self._pair.advise(minds, thought, passed)
             if self._pair.worded:
                 return self.scored(answer)
             return (Proposal(goal=UNSAID, score=1.0),)
