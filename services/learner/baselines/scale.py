@@ -17,8 +17,8 @@ TITLES: dict[str, str] = {
     "flat": "flat",
     "guided": "latent goals, labels besides",
 }
-"""What is compared. Under the oracle the mover is the hierarchy's. Guided is a control: what the
-network of latent goals can do, where it is also told what was right."""
+"""What is compared. Under the oracle the mover is the hierarchy's. Guided is a control: what mover,
+soft pointer and rollout of latent goals can do, where their vector is a right command's."""
 
 Count = Annotated[int, Field(ge=1)]
 

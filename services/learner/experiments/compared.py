@@ -102,9 +102,10 @@ def _notes(settings: BaselineSettings, outcomes: dict[int, dict[str, Outcomes]])
         "Arms without words have no such filter.",
         "Flat and latent goals learn from actions alone, without the labels that the other two "
         "have: that is what they are without words. Flat sees no earlier looks either.",
-        "Latent goals with labels besides are a control: the same network, data and updates, and "
-        "one more loss, which holds the vector against the right command. Where it succeeds, that "
-        "latent goals don't is no fault of network or rollout; where it doesn't, it may be one.",
+        "Latent goals with labels besides are a control, on the same network, data and updates. "
+        "Its vector is a phrase's, the right one's while it learns, the likeliest one's when it "
+        "acts; labels also teach where it points, softly. Where it succeeds, that latent goals "
+        "don't is no fault of mover, pointer or rollout; where it doesn't, it may be one.",
     ]
     if settings.seeds == 1:
         notes.append("One training seed: this says nothing of others.")
