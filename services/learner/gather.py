@@ -136,9 +136,15 @@ def known(policy: HighLevel, demonstrated: Examples) -> float | None:
     return agreement(policy.net, policy.bank, demonstrated).bank
 
 
-def past_of(decision: Decision, store: Store) -> list[NDArray[np.uint8]]:
-    """The earlier pictures that the high level was shown, oldest first."""
-    return [*_shown(_past(decision), store).values()]
+def past_of(decision: Decision, store: Store) -> list[NDArray[np.uint8] | None]:
+    """The earlier pictures that the high level was shown, oldest first.
+
+    None: one that never arrived. It keeps its place, as in `gather`: without it the others would
+    pass for later ones than they were.
+    """
+    names = _past(decision)
+    shown = _shown(names, store)
+    return [shown.get(name) for name in names]
 
 
 def observation_of(decision: Decision) -> Observation:

@@ -6,6 +6,7 @@ round on.
 
 import json
 import time
+from collections.abc import Iterable, Iterator
 from contextlib import closing
 from pathlib import Path
 from typing import Annotated, Any, NoReturn, Optional
@@ -18,6 +19,7 @@ from rich.table import Table
 
 from services.learner.kept import Data, Report, find_folder, open_store, write_report
 from services.learner.labels.aggregate import LabelSettings
+from services.learner.labels.amend import Standing, amended
 from services.learner.labels.review import Contradiction, Meaning, Review, review
 from services.learner.store.store import History, Kept, Manifest, Store
 from shared.config import exit_misconfigured
@@ -89,20 +91,63 @@ def settle(
     author: Author = "person",
     reason: Reason = "",
 ) -> None:
-    """Take back whatever contradicts one correction."""
-    settings = _label_settings(data)
+    """Take back what contradicts one correction; of what was said of steps, for those alone.
+
+    Kept by the learner, for its labels; the page goes on showing what was said.
+    """
+    settings, console = _label_settings(data), Console(markup=False)
     with closing(open_store(data, "review")) as store:
         history = _everything(store)
         found = review(history, settings, (), lambda _: None).contradictions
         wrong = _contradicting(found, which, keep)
-        for said in history.corrections:
-            if said.id in wrong:
-                _add(store, _retraction(said, author, reason or f"{keep} was right"))
-                Console(markup=False).print(f"taken back: {said.id} of {said.author}")
+        standing = {
+            one.correction.id: one for one in amended(history.corrections, history.receipts)
+        }
+        for id_, steps in wrong.items():
+            one, why = standing[id_], reason or f"{keep} was right"
+            _add(store, _retraction(one.correction, author, why))
+            console.print(f"taken back: {id_} of {one.correction.author}")
+            ahead = settings.anticipate_steps
+            wrong_steps = [range(cut.start + ahead, cut.stop + ahead) for cut in steps]
+            for left in rest(one.span or range(0), wrong_steps):
+                _add(store, _said_again(one, left, f"{id_} but for what {keep} contradicts"))
+                console.print(f"kept of it: steps {left.start} to {left.stop - 1}")
 
 
-def _contradicting(found: tuple[Contradiction, ...], which: str, keep: str) -> set[str]:
-    """The corrections that contradict `keep` where `which` says."""
+def rest(span: range, cuts: Iterable[range]) -> Iterator[range]:
+    """What is left of a stretch of steps without others, in order."""
+    first = span.start
+    for cut in sorted(cuts, key=lambda cut: cut.start):
+        if first < min(cut.start, span.stop):
+            yield range(first, min(cut.start, span.stop))
+        first = max(first, cut.stop)
+    if first < span.stop:
+        yield range(first, span.stop)
+
+
+def _said_again(one: Standing, steps: range, note: str) -> Correction:
+    """A part of what somebody said of the past, as if they had said no more, and as early."""
+    said, (created_ns, _) = one.correction, one.order
+    kind = Kind.FAULT if said.kind is Kind.FAULT else Kind.RELABEL
+    return Correction(
+        id=new_id("say"),
+        robot=said.robot,
+        episode=said.episode,
+        kind=kind,
+        author=said.author,
+        goal=said.goal,
+        first_step=steps.start,
+        end_step=steps.stop,
+        begun_ns=said.begun_ns,
+        created_ns=created_ns,
+        note=note,
+    )
+
+
+def _contradicting(
+    found: tuple[Contradiction, ...], which: str, keep: str
+) -> dict[str, list[range]]:
+    """The corrections that contradict `keep` where `which` says, and over which steps."""
     if which.isdecimal():
         chosen = found[int(which) - 1 : int(which)] if int(which) else ()
     else:
@@ -113,10 +158,16 @@ def _contradicting(found: tuple[Contradiction, ...], which: str, keep: str) -> s
             f"there are 1 to {len(found)}, in {', '.join(episodes)}" if found else "none is open"
         )
         exit_misconfigured("review", ConfigError(f"no contradiction {which}; {known}"))
-    pairs = [{one.one.correction, one.other.correction} for one in chosen]
-    wrong = {id_ for pair in pairs if keep in pair for id_ in pair - {keep}}
+    wrong: dict[str, list[range]] = {}
+    known_ids = set[str]()
+    for one in chosen:
+        pair = {one.one.correction, one.other.correction}
+        known_ids |= pair
+        for id_ in pair - {keep} if keep in pair else ():
+            first, last = one.steps
+            wrong.setdefault(id_, []).append(range(first, last + 1))
     if not wrong:
-        hint = nearest(keep, sorted(set().union(*pairs)))
+        hint = nearest(keep, sorted(known_ids))
         exit_misconfigured("review", ConfigError(f"{keep} is in no contradiction {which}{hint}"))
     return wrong
 

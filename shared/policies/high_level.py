@@ -107,13 +107,14 @@ class HighLevel:
                 )
 
     def propose(
-        self, observation: Observation, past: Sequence[NDArray[np.uint8]] = ()
+        self, observation: Observation, past: Sequence[NDArray[np.uint8] | None] = ()
     ) -> tuple[Proposal, ...]:
         """Goals with their probabilities, best first.
 
         From the bank's head all phrases of the bank; from the text head the most probable phrases
         that it can make, whose probabilities sum to at most 1.
         past: earlier looks, as in `rollout.robot.HighLevel`; the last ones are used, and fewer do.
+            None: one that is not here; its place is masked, and the others keep theirs.
 
         Raises:
             PolicyError: the observation has another number of views or senses.
@@ -137,7 +138,7 @@ class HighLevel:
         return tuple(Proposal(goal=LanguageGoal(text=text), score=share) for text, share in phrases)
 
     def question(
-        self, observation: Observation, past: Sequence[NDArray[np.uint8]] = ()
+        self, observation: Observation, past: Sequence[NDArray[np.uint8] | None] = ()
     ) -> Question:
         """An observation as the network is asked about it; as for `propose`."""
         images = np.ascontiguousarray(observation.arrays["images"])
@@ -147,11 +148,10 @@ class HighLevel:
                 f"this high level sees {VIEWS} views and feels {SENSES} numbers; it was shown "
                 f"{len(images)} views and proprioception of shape {senses.shape}"
             )
-        looks = [*past, images][-self.net.looks :]
-        missing = self.net.looks - len(looks)
-        glimpses = np.zeros((missing, VIEWS, PIXELS // 2, PIXELS // 2, 3), np.uint8)
-        glimpses = np.concatenate([glimpses, halved(np.stack(looks))])
-        seen = np.arange(self.net.looks) >= missing
+        looks = [*[None] * self.net.looks, *past, images][-self.net.looks :]
+        seen = np.array([look is not None for look in looks])
+        glimpses = np.zeros((len(looks), VIEWS, PIXELS // 2, PIXELS // 2, 3), np.uint8)
+        glimpses[seen] = halved(np.stack([look for look in looks if look is not None]))
         previous = past_vectors(self._encoder, [observation.previous], self.net.history)
         return Question(
             torch.from_numpy(images)[None],

@@ -92,7 +92,7 @@ class Mind(HighLevel):
         self.advice: Advice | None = None
 
     def propose(
-        self, observation: Observation, past: Sequence[NDArray[np.uint8]] = ()
+        self, observation: Observation, past: Sequence[NDArray[np.uint8] | None] = ()
     ) -> tuple[Proposal, ...]:
         """See `HighLevel.propose`; without words one proposal that stands for all."""
         with torch.inference_mode():

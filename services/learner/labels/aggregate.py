@@ -167,10 +167,9 @@ class _Judge:
     def disputes(self) -> Iterator[tuple[DecisionHead, list[tuple[Opinion, Opinion]]]]:
         """The decisions that two people judge differently, by step."""
         for head in self._account.heads:
-            if head.id not in self._blamed:
-                pairs = self._opinions.disputed(head, self._step(head))
-                if pairs:
-                    yield head, pairs
+            pairs = self._opinions.disputed(head, self._step(head))
+            if pairs:
+                yield head, pairs
 
     def _step(self, head: DecisionHead) -> int:
         return head.step + self._settings.anticipate_steps

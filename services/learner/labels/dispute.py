@@ -44,14 +44,20 @@ class Opinions:
         """approvals: what was approved and released counts, too."""
         self._account, self._course, self._spell = account, course, spell
         self._verdicts = _by_author(account.heard, approvals)
+        self._faults = {
+            (fault.author, id_): fault for fault in account.faults for id_ in fault.decisions
+        }
         told = {window.correction.author for window in account.windows}
-        self._authors = sorted({*self._verdicts, *told})
+        blaming = {fault.author for fault in account.faults}
+        self._authors = sorted({*self._verdicts, *told, *blaming})
 
     def disputed(self, head: DecisionHead, step: int) -> list[tuple[Opinion, Opinion]]:
         """The pairs of opinions that contradict each other about a decision.
 
         An override that only went on being in force contradicts nobody who spoke later, since the
         time for what it said may have passed; but it does those who looked back at the same steps.
+        Where the hand is blamed there is no label to disagree about, but for who says that the
+        command was right after all.
 
         step: at which it was to be in force, see `LabelSettings.anticipate_steps`.
         """
@@ -59,9 +65,19 @@ class Opinions:
             return []
         opinions = [self._opinion(author, head, step) for author in self._authors]
         pairs = combinations([one for one in opinions if one is not None], 2)
-        return [(one, other) for one, other in pairs if _contradict(one, other)]
+        blamed = {fault.correction for (_, id_), fault in self._faults.items() if id_ == head.id}
+        return [
+            (one, other)
+            for one, other in pairs
+            if _contradict(one, other)
+            and (not blamed or blamed & {one.correction, other.correction})
+        ]
 
     def _opinion(self, author: str, head: DecisionHead, step: int) -> Opinion | None:
+        if fault := self._faults.get((author, head.id)):
+            held = self._course.held(head.step)
+            right = head.executed if held is None else text_of(held.correction, head)
+            return Opinion(author, fault.correction, self._spell(right), Nearness.NAMED)
         named = self._verdicts.get(author, {}).get(head.id)
         windows = (
             one

@@ -64,6 +64,56 @@ def test_what_two_people_judge_differently_has_no_label(words: list[Any], steps:
         assert dispute.one.text != dispute.other.text
 
 
+def fault(author: str, first: int, end: int) -> Any:
+    span = {"first_step": first, "end_step": end}
+    return correction("f", kind="fault", author=author, created_ns=9, **span)
+
+
+LATE = [correction("a", HAM, decision="e-1-40", seen_step=40), receipt("a", 50)]
+"""Said about the decision at 40, and obeyed some steps later."""
+
+
+@pytest.mark.parametrize(
+    ("words", "steps"),
+    [
+        ([*LATE, fault("bob", 40, 50)], {40}),
+        ([*LATE, fault("bob", 60, 80)], set()),
+        ([*ADA, fault("bob", 40, 50)], set()),
+        ([relabel("a", HAM, "ada", 20, 80), fault("bob", 0, 60)], {20, 40}),
+        ([*LATE, fault("ada", 40, 50)], set()),
+        ([*LATE, *said("b", TOAST, "bob", 40), fault("cem", 80, 90)], {40}),
+        ([*ADA, *said("b", TOAST, "bob", 40), fault("cem", 0, 10)], {40}),
+    ],
+    ids=[
+        "the robot still did what one objects to", "the hand slipped at what one said",
+        "the robot obeyed at once", "looked back on", "same person", "elsewhere", "of a third",
+    ],
+)  # fmt: skip
+def test_who_blames_the_hand_contradicts_whoever_said_another_command(
+    words: list[Any], steps: set[int]
+) -> None:
+    history = history_of(*every_20(100), *words, episode())
+    found = disputes(history, LabelSettings())
+    assert {dispute.step for dispute in found} == steps
+    assert not steps & set(labels_of(*every_20(100), *words))
+
+
+def test_blame_is_settled_by_taking_back_either_word() -> None:
+    words = [*LATE, fault("bob", 40, 50)]
+    assert 40 not in texts(labels_of(*every_20(60), *words))
+    back = correction("s", kind="retract", target="f", created_ns=9)
+    assert texts(labels_of(*every_20(60), *words, back))[40] == HAM
+    back = correction("s", kind="retract", target="a", created_ns=9)
+    assert disputes(history_of(*every_20(60), *words, back, episode()), LabelSettings()) == ()
+
+
+def test_where_the_hand_is_blamed_other_contradictions_are_about_nothing() -> None:
+    words = [*ADA, *BOB, fault("cem", 40, 41)]
+    found = disputes(history_of(*every_20(60), *words, episode()), LabelSettings())
+    assert {one.correction for dispute in found for one in dispute[3:]} <= {"a", "b", "f"}
+    assert all("f" in {dispute.one.correction, dispute.other.correction} for dispute in found)
+
+
 def test_by_setting_the_later_word_counts() -> None:
     assert texts(labels_of(*every_20(60), *ADA, *BOB, disputed="later")) == {40: TOAST}
     yes = said("b", None, "bob", 40)

@@ -6,11 +6,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from typer.testing import CliRunner
 
+from services.learner.labels.account import faults
 from services.learner.labels.aggregate import LabelSettings, derive
 from services.learner.labels.review import Review, review
-from services.learner.questions import app
+from services.learner.questions import app, rest
 from services.learner.store.sql import SqlStore, sqlite_url
 from services.learner.store.store import Manifest
 from shared.messages.correction import Kind
@@ -120,6 +123,63 @@ def test_to_settle_is_to_take_back_what_contradicts_the_one_to_keep(data: Path, 
         kept = store.history(Manifest(marks=store.survey(Manifest()).marks)).corrections
     (back,) = (one for one in kept if one.kind is Kind.RETRACT)
     assert (back.target, back.note, back.author) == ("a", "ada was tired", "person")
+
+
+def test_of_a_relabel_only_the_steps_that_are_contradicted_are_taken_back(tmp_path: Path) -> None:
+    span = {"kind": "relabel", "author": "bob"}
+    with closing(SqlStore(sqlite_url(tmp_path / "learner.db"))) as store:
+        store.found(record(0).model_copy(update={"bank": KNOWN, "epoch": store.take_over("l", 1)}))
+        wide = correction("b", TOAST, first_step=0, end_step=100, created_ns=5, **span)
+        later = correction("d", CHEESE, first_step=80, end_step=90, created_ns=6, **span)
+        for message in (*every_20(100), *said("a", HAM, "ada"), wide, later, episode()):
+            store.add(message, 1)
+    assert "e-1-40" not in labels(tmp_path)
+    result = run(tmp_path, "settle", "1", "--keep", "a")
+    assert result.output.splitlines() == [
+        "taken back: b of bob",
+        "kept of it: steps 0 to 39",
+        "kept of it: steps 41 to 99",
+    ]
+    found = {int(name.rsplit("-", 1)[1]): text for name, text in labels(tmp_path).items()}
+    assert found == {0: TOAST, 20: TOAST, 40: HAM, 60: TOAST, 80: CHEESE}
+    with closing(SqlStore(sqlite_url(tmp_path / "learner.db"))) as store:
+        kept = store.history(Manifest(marks=store.survey(Manifest()).marks)).corrections
+    again = [one for one in kept if one.note and "but for what a contradicts" in one.note]
+    assert [(one.author, one.span, one.created_ns) for one in again] == [
+        ("bob", range(40), 5),
+        ("bob", range(41, 100), 5),
+    ]
+
+
+def test_the_rest_of_a_fault_is_kept_too(tmp_path: Path) -> None:
+    with closing(SqlStore(sqlite_url(tmp_path / "learner.db"))) as store:
+        store.found(record(0).model_copy(update={"bank": KNOWN, "epoch": store.take_over("l", 1)}))
+        late = [correction("a", HAM, decision="e-1-40", seen_step=40), receipt("a", 50)]
+        blame = correction("f", kind="fault", author="bob", first_step=40, end_step=70)
+        for message in (*every_20(100), *late, blame, episode()):
+            store.add(message, 1)
+    assert run(tmp_path, "settle", "e-1", "--keep", "a").exit_code == 0
+    assert labels(tmp_path)["e-1-40"] == HAM
+    with closing(SqlStore(sqlite_url(tmp_path / "learner.db"))) as store:
+        history = store.history(Manifest(marks=store.survey(Manifest()).marks))
+    (left,) = faults(history)
+    assert (left.author, left.steps, left.decisions) == ("bob", range(41, 70), ("e-1-60",))
+
+
+@given(
+    st.integers(0, 30),
+    st.integers(0, 30),
+    st.lists(st.tuples(st.integers(0, 40), st.integers(0, 9)), max_size=4),
+)
+def test_the_rest_of_a_stretch_is_what_no_cut_has(
+    first: int, length: int, cuts: list[tuple[int, int]]
+) -> None:
+    span = range(first, first + length)
+    taken = [range(begin, begin + count) for begin, count in cuts]
+    left = [*rest(span, taken)]
+    assert all(len(one) for one in left)
+    wanted = [step for step in span if not any(step in cut for cut in taken)]
+    assert [step for one in left for step in one] == wanted
 
 
 def test_an_alias_is_in_the_labels_from_then_on(data: Path) -> None:
