@@ -7,6 +7,9 @@ from playwright.sync_api import Browser, expect
 from tests.integration.correction_api.browsing import PHONE, SIDEWAYS, focused, said
 from tests.integration.correction_api.crowded import UNCOVERED, WITHIN, desk
 
+TOPS = "links => new Set(links.map(link => link.getBoundingClientRect().top)).size"
+"""In how many rows some elements stand."""
+
 
 @pytest.mark.parametrize("mute", [False, True], ids=["talking", "mute"])
 def test_on_a_phone_the_stops_and_the_robots_name_stay_while_one_scrolls_to_what_was_said(
@@ -39,6 +42,24 @@ def test_on_a_phone_one_sees_the_robot_and_both_stops_while_one_chooses(
             choice.scroll_into_view_if_needed()
             assert choice.evaluate(UNCOVERED)
             assert [page.locator(one).evaluate(UNCOVERED) for one in seen] == [True] * 4
+        expect(page.get_by_role("button", name="pick up the saucer in force")).to_be_visible()
+        expect(page.locator(".proposal.in-force span")).to_have_css("font-weight", "650")
+
+
+@pytest.mark.parametrize("size", [(360, 640), (375, 553), (320, 256)])
+def test_on_a_narrow_phone_or_at_four_times_the_size_all_can_be_read_and_the_stops_stay(
+    browser: Browser, crowd: httpx.Client, size: tuple[int, int]
+) -> None:
+    with desk(browser, crowd, size) as page:
+        stops = [".freeze-all", ".verdicts .freeze"]
+        wanted = [".title h2", ".prompt", ".pictures", ".caption q", ".said li:last-child .what"]
+        for one in (*page.locator(".proposal").all(), *map(page.locator, wanted)):
+            one.first.scroll_into_view_if_needed()
+            assert one.first.evaluate(UNCOVERED)
+            assert [page.locator(stop).evaluate(UNCOVERED) for stop in stops] == [True] * 2
+        assert page.locator(".head .pages a").evaluate_all(TOPS) == 1
+        assert page.locator(".rail").evaluate("it => it.clientWidth >= innerWidth - 20")
+        assert page.evaluate("document.documentElement.scrollWidth") <= size[0]
 
 
 def test_on_a_phone_with_bars_two_proposals_and_both_stops_are_in_view_before_one_scrolls(
