@@ -12,6 +12,8 @@ QUICK = (
     "learner.round.after_s=0",
     "learner.train.steps=3",
     "learner.gate.unjudged=let-out",  # Fifteen corrections are made in an episode or two.
+    "learner.gate.max_fall=1",  # So few updates make no better version.
+    "learner.gate.chance=1",
 )
 
 
