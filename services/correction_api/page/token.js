@@ -1,8 +1,7 @@
 // The token of this tab, for as long as the tab is open. A new tab asks those that are open for theirs,
 // so that nothing is kept on disk, and no browser sends along by itself what lets one in.
 const TOKEN = "hld-token";
-const FIRST_MS = 1000; // So long the open tabs have to answer; they do at once, unless they are busy.
-const MORE_MS = 200; // So much longer the others have, who may have another one.
+const ANSWER_MS = 1000; // So long all open tabs have to answer; they do at once, unless they are busy.
 
 /** Tabs of this service alone hear each other: of its origin, and of its path below that. */
 const tabs = new BroadcastChannel(`${TOKEN} ${new URL(".", document.baseURI).pathname}`);
@@ -36,10 +35,9 @@ const after = (ms) => new Promise((resume) => setTimeout(resume, ms));
 
 async function ask() {
   const answers = new Set();
-  const first = new Promise((resume) => (heard = (found) => resume(answers.add(found))));
+  heard = (found) => answers.add(found);
   tabs.postMessage({ wanted: true });
-  await Promise.race([first, after(FIRST_MS)]);
-  if (answers.size) await after(MORE_MS);
+  await after(ANSWER_MS); // Even if one has answered: another may have another token.
   heard = null;
   const [found, ...others] = answers;
   if (!found || others.length) return false;
