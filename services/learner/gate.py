@@ -38,7 +38,8 @@ class GateSettings(Settings):
         refuse: it stays here, and a later round has more to judge by; let-out: it goes out.
     max_fall: by which the agreement with them may fall, against the version in force.
     chance: a version in force that is wrong about most of them has to be bettered, with McNemar's p
-        at most this: what learned nothing where people spoke agrees no less. 1: it need not be.
+        at most this, where no `trials` show what it does: what learned nothing where people spoke
+        agrees no less. 1: it need not be.
     retained: demonstrated decisions that no round replays, to see what is forgotten. max_forgotten:
         by which the agreement with those may fall, against the version in force.
     trials: episodes in simulation. canary: robots that run it first.
@@ -177,6 +178,7 @@ class LabelGate:
 
     def __init__(self, settings: GateSettings) -> None:
         self._settings = settings
+        self._tried = settings.trials.episodes > 0  # It has yet to show what it does.
 
     def judge(self, candidate: Candidate) -> Verdict:
         """Whether it agrees as much as it must; what can't be judged is no agreement."""
@@ -195,8 +197,7 @@ class LabelGate:
 
     def _held_back(self, unjudged: str) -> str:
         """Why it stays here although nothing is known against it; "" if it goes on."""
-        judged_by_trials = self._settings.trials.episodes > 0
-        if not unjudged or judged_by_trials or self._settings.unjudged == "let-out":
+        if not unjudged or self._tried or self._settings.unjudged == "let-out":
             return ""
         return f"{unjudged}; {ADVICE}"
 
@@ -208,7 +209,9 @@ class LabelGate:
     def _no_better(self, figures: Figures) -> str:
         """Why it has learned too little, where there was most to learn; "" if it has enough."""
         before, after, p, most = figures.before, figures.after, figures.p, self._settings.chance
-        if before is None or after is None or p is None or before >= 0.5 or most == 1:
+        if before is None or after is None or p is None or before >= 0.5:
+            return ""
+        if self._tried or most == 1:
             return ""
         if after > before and p <= most:
             return ""
