@@ -18,6 +18,9 @@ export class Problem extends Error {
   }
 }
 
+/** No answer of the service's own, and why: it, or the way to it, may come back. */
+class NoAnswer extends Error {}
+
 export function socketUrl() {
   const url = new URL("live", BASE);
   url.protocol = url.protocol.replace("http", "ws");
@@ -41,20 +44,26 @@ async function call(method, path, body, options = {}) {
   const headers = body ? { "Content-Type": type } : {};
   const sent = token.get();
   if (sent) headers.Authorization = `Bearer ${sent}`;
-  const answer = await fetch(new URL(path, BASE), {
-    method,
-    headers,
-    body,
-    signal: AbortSignal.timeout(withinMs),
-  });
+  const signal = AbortSignal.timeout(withinMs);
+  const answer = await told(fetch(new URL(path, BASE), { method, headers, body, signal }));
   if (answer.status === 401) {
     if (token.get() !== sent || (await borrow())) return call(method, path, body, options);
     spoil();
     refused();
   }
-  const content = answer.status === 204 ? null : await answer.json();
+  const content = answer.status === 204 ? null : await told(answer.json());
   if (!answer.ok) throw new Problem(answer.status, content.detail);
   return content;
+}
+
+/** What a browser says of a network is for nobody; a proxy that answers instead sends no JSON. */
+async function told(coming) {
+  try {
+    return await coming;
+  } catch ({ name }) {
+    const why = name === "TimeoutError" ? "does not answer" : "cannot be reached";
+    throw new NoAnswer(`the service ${why}`);
+  }
 }
 
 /** A fresh id that the server accepts; also where crypto.randomUUID is missing (plain http). */

@@ -1,18 +1,25 @@
 // The OpenAPI text, for people: routes, what they take, and an example of each answer.
 import { get } from "./api.js";
 import { html } from "./html.js";
-import { Notice, page } from "./shell.js";
+import { every, Notice, page } from "./shell.js";
 
 const state = { text: null, notice: "" };
 
-page("docs.html", view, async (touch) => {
+const REFRESH_S = 5;
+
+const touch = page("docs.html", view, async () => {
+  await load();
+  every(REFRESH_S, () => state.text || load());
+});
+
+async function load() {
   try {
     state.text = await get("openapi.json");
   } catch (error) {
     state.notice = error.message;
   }
   touch();
-});
+}
 
 const json = (value) => JSON.stringify(value, null, 2);
 

@@ -1,5 +1,5 @@
 // Progress: curves by version, what each round brought, and what people decide about versions.
-import { get } from "./api.js";
+import { get, Problem } from "./api.js";
 import { Curves, Legend } from "./curves.js";
 import { html } from "./html.js";
 import { Aloud } from "./line.js";
@@ -21,7 +21,7 @@ async function load() {
   const [progress, policy] = await Promise.allSettled([get("progress"), get("policy")]);
   if (progress.value) state.versions = progress.value.versions;
   if (policy.value) state.policy = policy.value;
-  state.away = policy.reason?.message ?? "";
+  state.away = policy.reason instanceof Problem ? policy.reason.message : "";
   state.notice = progress.reason?.message ?? "";
   state.loaded = true;
   touch();

@@ -62,7 +62,7 @@ export function settle({ type, correction: view }) {
 
 /** It was not taken, and is shown as such. */
 function refuse(id, what, error) {
-  const reason = why(error);
+  const reason = error.message;
   const refused = state.sending[id];
   if (refused) Object.assign(refused, { status: "refused", reason });
   tell(`${what}: refused, since ${reason}`, "bad");
@@ -90,18 +90,13 @@ async function stop(robots, begunMs) {
     return view?.correction.id ?? null;
   } catch (error) {
     if (robot) return refuse(body.id, what, error);
-    return tell(`${what}: some may move on, since ${why(error)}`, "bad");
+    return tell(`${what}: some may move on, since ${error.message}`, "bad");
   }
 }
 
 /** Of which robots nothing could be kept yet; nothing where all were told. */
 const missing = ({ robots }) =>
   robots.some(({ correction, status }) => !correction && status === "refused") && halted(robots)[0];
-
-const why = (error) => {
-  if (error instanceof Problem) return error.message;
-  return error.name === "TimeoutError" ? "the service does not answer" : "the service cannot be reached";
-};
 
 /** What the person looks at: the picture's step, the newest decision, the episode. */
 export function place(robot) {
@@ -131,7 +126,7 @@ async function persist(attempt, what, { forMs = GIVE_UP_MS, missing = () => "" }
     } catch (error) {
       const passing = !(error instanceof Problem) || error.status === 503;
       if (!passing || late) throw error;
-      reason = why(error);
+      reason = error.message;
     }
     const seconds = Math.round((Date.now() - began) / 1000);
     tell(`${what}: ${reason}; trying again, for ${seconds} s so far …`, "bad");

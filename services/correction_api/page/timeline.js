@@ -7,8 +7,8 @@ import { called } from "./words.js";
 
 const DRAG_PX = 5;
 const LABEL = 15;
-const SIGN_PX = 6.5; // How wide a sign is on average, in the face of commands.
 const LEAST = 5; // Fewer signs say nothing.
+const INSET = 5; // From the edge of what is drawn to its text, px.
 export const GLYPHS = {
   start: "S",
   interval: "·",
@@ -162,17 +162,24 @@ function Commands({ episode, x }) {
         <title>${text}, steps ${from} to ${to}, chosen by ${person ? "a person" : by}</title>
         <rect width="100%" height="100%" />
         ${person && html`<rect class="hatched" width="100%" height="100%" />`}
-        <text x="5" y="19">${fitted(person ? `✎ ${text}` : text, wide)}</text>
+        <text x=${INSET} y="19">${fitted(person ? `✎ ${text}` : text, wide)}</text>
       </svg>
     `;
   });
 }
 
-/** As much of a text as there is room for. */
+const pen = document.createElement("canvas").getContext("2d"); // It knows how wide words are.
+
+/** As much of a text as there is room for, in the face of commands. */
 function fitted(text, wide) {
-  const room = Math.floor((wide - 8) / SIGN_PX);
-  if (text.length <= room) return text;
-  return room < LEAST ? "" : `${text.slice(0, room - 1).trimEnd()}…`;
+  const room = wide - 2 * INSET;
+  const fits = (words) => pen.measureText(words).width <= room;
+  pen.font = `italic 13.5px ${getComputedStyle(document.body).getPropertyValue("--serif")}`;
+  if (fits(text)) return text;
+  const shorter = (count) => `${text.slice(0, count).trimEnd()}…`;
+  let count = text.length - 1;
+  while (count >= LEAST && !fits(shorter(count))) count -= 1;
+  return count < LEAST ? "" : shorter(count);
 }
 
 function Proposals({ decisions, steps, x }) {
@@ -224,7 +231,7 @@ function Said({ said, x }) {
           class=${`window ${one.retracted ? "gone" : ""}`} data-said=${one.view.correction.id}>
           <title>${name}</title>
           <rect width="100%" height="100%" rx="3" />
-          <text x="5" y="15">${fitted(one.text ?? "the hand slipped", wide)}</text>
+          <text x=${INSET} y="15">${fitted(one.text ?? "the hand slipped", wide)}</text>
         </svg>
       `;
     }

@@ -182,6 +182,28 @@ def test_the_player_tells_what_a_person_said_at_a_decision(
             expect(told.locator("q")).to_have_text("wait")
 
 
+WORDS = """
+boxes => boxes.map(box => {
+  const text = box.querySelector("text");
+  const end = text.x.baseVal[0].value + text.getComputedTextLength();
+  return [text.textContent, end <= box.width.baseVal.value];
+})
+"""
+"""What stands in some stretches of the timeline, and whether it ends before they do."""
+
+
+@pytest.mark.parametrize("width", [1440, 1024, 700])
+def test_the_words_in_the_timeline_end_where_their_stretch_does(
+    browser: Browser, world: World, width: int
+) -> None:
+    with opened(browser, world.api, (width, 900), world.page) as page:
+        stretches = page.locator(".timeline .command")
+        expect(stretches.first).to_be_visible()
+        told = stretches.evaluate_all(WORDS)
+        assert any(words for words, _ in told)
+        assert [words for words, fits in told if words and not fits] == []
+
+
 def test_progress_says_which_option_measures_success(browser: Browser, world: World) -> None:
     with opened(browser, world.api, DESK, "progress.html") as page:
         brought = page.get_by_role("region", name="What rounds brought")
