@@ -164,7 +164,10 @@ class Run:
         lessons = [
             Lesson(ARMS[name].person, seed, 0, name) for name in self._settings.arms_of_people
         ]
-        rows = Rows(self._bench.file(f"arms-{seed}"), Taught, self._teaching.model_dump_json())
+        # Not on what else is tried: a run at another scale goes on with what this one trained.
+        apart = {"settings": {"people", "arms", "seeds"}}
+        note = self._teaching.model_dump_json(exclude=apart)
+        rows = Rows(self._bench.file(f"arms-{seed}"), Taught, note)
         found = measure(
             self._bench.pool, Teacher, self._teaching, lessons, lambda row: row.lesson, rows
         )

@@ -136,7 +136,16 @@ CORE = DaggerSettings(
     episodes=(40, 80, 80),
     seeds=3,
     people=(MAIN,),
-    arms=("together", "shuffled", "last", "overrides", "endorsements", "lab", "site"),
+    arms=(
+        "together",
+        "shuffled",
+        "last",
+        "overrides",
+        "endorsements",
+        "lab",
+        "site",
+        "unanchored",
+    ),
 )
 FULL = DaggerSettings(
     episodes=(40, 80, 80),
