@@ -37,6 +37,7 @@ class Lab:
             "demonstrations": self._checkpoints.demonstrations,
             "train.batch": 8,
             "train.nice": 0,
+            "train.threads": 1,  # Others test beside it.
             "gate.unjudged": "let-out",  # An episode or two are too few to judge by.
             **{name.replace("__", "."): value for name, value in settings.items()},
         }

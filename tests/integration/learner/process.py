@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-DEADLINE_S = 40.0
+DEADLINE_S = 150.0
 
 
 class Process:

@@ -23,7 +23,7 @@ from shared.wire.memory import MemoryBus, MemoryRouter
 from shared.wire.outbox import Outbox
 from tests.unit.rollout.fakes import CountingRobot, EchoingLowLevel, SayingHighLevel
 
-DEADLINE_S = 10.0
+DEADLINE_S = 60.0
 
 
 class Newest:

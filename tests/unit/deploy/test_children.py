@@ -10,7 +10,7 @@ from deploy.children import ChildError, Family, sets
 from deploy.ports import check_free, free_port
 from shared.errors import HldError
 
-DEADLINE_S = 20.0
+DEADLINE_S = 60.0
 
 
 def wait_for(look):
