@@ -4,6 +4,7 @@ A process and not a thread: torch and Python share one lock in a thread, a proce
 at any moment, and one that runs out of memory takes no acknowledged record with it.
 """
 
+import os
 import subprocess
 import sys
 import threading
@@ -20,6 +21,10 @@ from shared.errors import PolicyError
 from shared.policies.checkpoint import bundled, load_card
 
 COMMAND = (sys.executable, "-m", "services.learner.train")
+YIELDING = {"GOMP_SPINCOUNT": "1000"}
+"""A thread of torch that waits for another soon sleeps. By default it spins on, and where robots
+have the cores it does so while they keep the other one from working: see the README. GNU's name,
+whose OpenMP torch has on Linux."""
 ATTEMPTS = 3
 """Processes for one training. One that ends without a word ran out of memory or was killed, and the
 next one goes on where it was."""
@@ -141,6 +146,7 @@ class _Running:
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,
+            env={**YIELDING, **os.environ},
             start_new_session=True,  # Ctrl-C is for the learner; it ends its training itself.
         )
         # The line stays open after the job: its end tells the process that its learner died.
