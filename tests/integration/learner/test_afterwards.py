@@ -16,7 +16,7 @@ from tests.integration.learner.lab import Lab
 from tests.integration.learner.process import until
 from tests.integration.learner.world import happenings
 
-PATIENCE_S = 150.0
+PATIENCE_S = 30.0  # As long as the API may wait.
 
 
 def test_what_is_kept_is_told_while_a_round_trains(lab: Lab, bus: Bus) -> None:

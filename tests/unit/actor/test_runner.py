@@ -226,9 +226,9 @@ def test_a_stop_between_two_episodes_holds_in_the_next_one_until_somebody_says_r
 
 
 def test_a_stop_that_comes_after_its_episode_has_ended_stops_the_one_that_runs(bench):
-    actor = bench(rollout={"max_steps": 20})
-    actor.tick_until(lambda: len(actor.heard["episode"]) == 1 and actor.runner._rollout)
-    late = actor.say(said(Kind.PAUSE, episode=actor.heard["episode"][0].id))
+    actor = bench(rollout={"max_steps": 100})
+    actor.tick_until(lambda: actor.heard["episode"] and actor.runner._rollout)
+    late = actor.say(said(Kind.PAUSE, episode=actor.heard["episode"][-1].id))
     assert late.accepted
     assert actor.runner._rollout.paused
 

@@ -214,13 +214,16 @@ def test_every_arm_that_the_full_run_names_has_its_person_in_it() -> None:
 
 
 @pytest.mark.timeout(300)
-def test_all_of_it_in_small_and_again_without_doing_anything_twice(tmp_path: Path) -> None:
+def test_all_of_it_in_small_and_again_without_doing_anything_twice(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(ARMS, "rehearsed", ARMS["rehearsed"]._replace(replayed=5))
     train = SMALL.recipe.train.model_copy(update={"steps": 2, "batch": 4, "epochs": 0})
     settings = DaggerSettings(
         episodes=(1,),
         seeds=1,
         people=(MAIN,),
-        arms=("shuffled", "lab"),
+        arms=("shuffled", "lab", "rehearsed"),
         recipe=SMALL.recipe.model_copy(update={"train": train}),
     )
     pool = Here()
@@ -228,12 +231,13 @@ def test_all_of_it_in_small_and_again_without_doing_anything_twice(tmp_path: Pat
     told = compare(bench, settings)
     figures = told.figures
     assert set(figures["arms"]) == {
-        "base", "oracle", "live", f"{MAIN}, round 1", "shuffled", "lab",
+        "base", "oracle", "live", f"{MAIN}, round 1", "shuffled", "lab", "rehearsed",
     }  # fmt: skip
     assert all(found["n"] == 1 for found in figures["arms"].values())
     assert figures["corrections_share"]["value"] > 0
     assert figures["teleoperation"]["lab"]["decisions"] > 0
     assert figures["retention"]["before"]["n"] == 1
+    assert set(figures["retention"]["arms"]) == {"rehearsed"}
     assert {target["what"] for target in figures["targets"]} >= {"less shuffled corrections"}
     assert figures["learned_from"]["shuffled"]["corrections"] > 0
     about = {"command": "c", "date": "d", "site": "far", "low_level_sha256": LOW,
@@ -253,6 +257,10 @@ def test_all_of_it_in_small_and_again_without_doing_anything_twice(tmp_path: Pat
     (elsewhere.out / "outcomes" / "far" / "seed-0.json.gz").write_bytes(b"cut")
     with pytest.raises(HldError, match="holds no outcomes"):
         compare(elsewhere, settings)
+    # Another scale goes on with what was trained and tried for this one.
+    shutil.rmtree(tmp_path / "outcomes")
+    compare(bench, settings.model_copy(update={"arms": ("shuffled", "lab")}))
+    assert pool.jobs == done
 
 
 def test_a_share_is_compared_at_as_many_updates() -> None:

@@ -24,7 +24,7 @@ from shared.config import Settings
 from shared.errors import PolicyError
 from shared.policies import checkpoint, examples
 from shared.policies.checkpoint import Card, bundled
-from shared.policies.examples import Examples
+from shared.policies.examples import Examples, join
 from shared.policies.fit import fit
 from shared.policies.high_level import HighLevel
 from shared.seeds import DEMONSTRATION
@@ -124,10 +124,11 @@ class Teacher:
         )
         if arm.data in ("lab", "site"):
             return self._demonstrated(course, lesson, round_)
-        chosen = Treatment(arm, settings, lesson.seed)
-        candidate = fine_tune(
-            round_, course.store, course.files, self._demonstrations, _untold, treat=chosen
-        )
+        chosen, replay = Treatment(arm, settings, lesson.seed), self._demonstrations
+        if arm.replayed:
+            more, _ = demonstrated(Site(name="lab"), arm.replayed, lesson.seed)
+            replay = join([replay, more])
+        candidate = fine_tune(round_, course.store, course.files, replay, _untold, treat=chosen)
         tensors = {ref.name: course.tensor(ref) for ref in candidate.tensors}
         settings_of = {**candidate.settings, "bank": "\n".join(candidate.bank)}
         self._save(lesson, tensors, settings_of)

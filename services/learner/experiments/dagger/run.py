@@ -21,8 +21,8 @@ from shared.policies.checkpoint import CARD_FILE, bundled, load_card
 from shared.rollout.settings import RolloutSettings
 
 LAB = "lab"
-LAB_ARMS = ("together", "unanchored")
-"""Tried in the lab, too: what averaging with the base's weights keeps."""
+LAB_ARMS = ("together", "unanchored", "rehearsed")
+"""Tried in the lab, too: what is kept by averaging with the base's weights, by replaying more."""
 Courses = dict[str, Course]
 """Of one training seed, by person."""
 

@@ -38,6 +38,7 @@ class Arm(NamedTuple):
         round alone; overrides: without what an endorsement calls right; endorsements: that alone;
         lab, site: as many demonstrated decisions by the expert's hand instead.
     episodes: share of each round's episodes, the first ones.
+    replayed: decisions demonstrated in the lab, replayed besides those that come with the project.
     """
 
     title: str
@@ -47,6 +48,7 @@ class Arm(NamedTuple):
         "corrections"
     )
     episodes: float = 1.0
+    replayed: int = 0
 
 
 def _share(share: float) -> Callable[[Recipe], Recipe]:
@@ -83,6 +85,7 @@ ARMS: dict[str, Arm] = {
     "share-0.3": Arm("share .3", recipe=_share(0.3)),
     "share-0.8": Arm("share .8", recipe=_share(0.8)),
     "unanchored": Arm("weights not averaged with the base's", recipe=_unanchored),
+    "rehearsed": Arm("5,000 more demonstrations replayed", replayed=5000),
     "episodes-0.1": Arm("the first .1 of the episodes", episodes=0.1),
     "episodes-0.25": Arm("the first .25 of the episodes", episodes=0.25),
     "episodes-0.5": Arm("the first .5 of the episodes", episodes=0.5),
@@ -145,6 +148,7 @@ CORE = DaggerSettings(
         "lab",
         "site",
         "unanchored",
+        "rehearsed",
     ),
 )
 FULL = DaggerSettings(
