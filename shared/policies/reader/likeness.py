@@ -98,12 +98,14 @@ class Letters:
                 holders[run].append(row)
         self._holders = {run: np.array(rows) for run, rows in holders.items()}
         self._count = len(texts)
+        # Of all texts there are few different runs: each is weighed once.
+        self._weights = {run: self._weigh(len(rows)) for run, rows in holders.items()}
         self._lengths = np.array([self._length(found) for found in runs])
 
     def alike(self, text: str) -> NDArray[np.float64]:
         """[P] cosine in [0, 1] of the text's runs and each known text's."""
         runs, common = _runs(text), np.zeros(self._count)
-        for run in runs & self._holders.keys():
+        for run in sorted(runs & self._holders.keys()):  # In the same order, to the last bit.
             common[self._holders[run]] += self._weight(run) ** 2
         alike: NDArray[np.float64] = common / (self._lengths * self._length(runs) + 1e-9)
         return alike
@@ -112,7 +114,11 @@ class Letters:
         return float(np.sqrt(sum(self._weight(run) ** 2 for run in sorted(runs))))
 
     def _weight(self, run: str) -> float:
-        return float(np.log((1 + self._count) / (1 + len(self._holders.get(run, ())))) + 0.3)
+        return self._weights.get(run) or self._weigh(0)
+
+    def _weigh(self, holders: int) -> float:
+        """Of a run that so many known texts have."""
+        return float(np.log((1 + self._count) / (1 + holders)) + 0.3)
 
 
 def _bytes(vectors: Floats) -> NDArray[np.int8]:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from services.learner.pretrain.lexicon import Lexicon, Table, exam
+from services.learner.pretrain.lexicon import exam
 from services.learner.pretrain.reader_fit import ReaderFitSettings, fit_reader
 from services.learner.pretrain.reading_exam import Examiner, ask
 from services.learner.pretrain.reading_figures import figures, table
@@ -12,25 +12,13 @@ from shared.goals.language.encoder import shared_encoder
 from shared.policies.reader.reader import Reader
 from shared.workcell.objects import BODY_NAMES, KITCHEN, TABLE
 from shared.workcell.skills import COMMANDS, PUT_DOWN, PUT_IN_BIN, PUT_IN_TUB, PUT_ON_PLATE, WAIT
-
-MOST = 8
-"""Groups of each list that are taught here."""
-
-
-def small() -> Lexicon:
-    def cut(part: Table) -> Table:
-        return {
-            name: groups[: MOST * (4 if name in ("things", "said", "acts", "other") else 1)]
-            for name, groups in part.items()
-        }
-
-    return Lexicon(*map(cut, exam()[0]))
+from tests.unit.pretrain.lexicons import few
 
 
 @pytest.fixture(scope="module")
 def reader() -> Reader:
     settings = ReaderFitSettings(phrases=1500, tagger=TaggerFitSettings(epochs=8))
-    return fit_reader(small(), settings)
+    return fit_reader(few(8), settings)
 
 
 def read(reader: Reader, text: str, stock: frozenset[str] = TABLE) -> str:

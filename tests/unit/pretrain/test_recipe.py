@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import torch
 
-from services.learner.pretrain import practice
+from services.learner.pretrain import practice, stages
 from services.learner.pretrain.demonstrate import ABSENT, Demonstrations, Lesson, demonstrate
 from services.learner.pretrain.low_fit import LowFitSettings, Rows, fit_low, measures
 from services.learner.pretrain.practice import Steps, practise
@@ -24,6 +24,7 @@ from shared.policies.high_level import HighLevel
 from shared.policies.low_level import LowLevel
 from shared.policies.low_net import VERBS, LowNet
 from shared.workcell.skills import COMMANDS
+from tests.unit.pretrain.lexicons import few
 
 TINY = Scale(
     phrases=2,
@@ -156,7 +157,10 @@ def test_replay_keeps_whole_episodes_and_prefers_rare_commands(lessons: Demonstr
     assert len(choose(many, 5, 0)) == 10
 
 
-def test_stages_are_kept_and_not_done_twice(tmp_path: Path) -> None:
+def test_stages_are_kept_and_not_done_twice(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(stages, "exam", lambda: (few(2), few(2)))
     first, ledger = Here(), Ledger()
     run = Pretraining(tmp_path, TINY, 0, first, ledger)
     low_level = run.low_level()
