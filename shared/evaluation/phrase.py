@@ -8,6 +8,7 @@ import numpy as np
 import torch
 from pydantic import BaseModel, ConfigDict
 
+from shared.code import sha256_code
 from shared.config import Settings
 from shared.evaluation.hand import Hand
 from shared.evaluation.scene import Setting, prepare
@@ -20,6 +21,9 @@ from shared.workcell.objects import COUNT
 from shared.workcell.site import load_site
 from shared.workcell.skills import ATTEMPT_STEPS, PUTS, SKILLS, WAIT
 from shared.workcell.state import CellState, on_table
+
+READING = ("shared/policies/low_level.py", "shared/policies/reader/*.py", "shared/goals/**/*.py")
+"""Files that decide what a phrase is taken for."""
 
 
 class Near(NamedTuple):
@@ -50,9 +54,14 @@ class Phrases(Settings):
         return Path(self.low_level) if self.low_level else bundled("low_level")
 
     def note(self) -> str:
-        """What its rows hang on; see `Plan.note`."""
-        site = load_site(self.site).model_dump(mode="json")
-        return json.dumps({"site": site, "low_level": load_card(self.folder()).tensors_sha256})
+        """What its rows hang on; see `Plan.note`. Here also the rules by which phrases are read,
+        which no checkpoint holds."""
+        told = {
+            "site": load_site(self.site).model_dump(mode="json"),
+            "low_level": load_card(self.folder()).tensors_sha256,
+            "reads": sha256_code(READING),
+        }
+        return json.dumps(told)
 
 
 class Trial(Settings):

@@ -10,7 +10,7 @@ ROOT = Path(__file__).parents[2]
 
 SMALL = {
     "shared.errors", "shared.clock", "shared.config", "shared.seeds", "shared.intervals",
-    "shared.budget",
+    "shared.budget", "shared.code",
 }  # fmt: skip
 SERVICE = {"shared.telemetry", "shared.service"}
 

@@ -10,6 +10,7 @@ import re
 import threading
 from collections import OrderedDict
 from collections.abc import Iterable, Sequence
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -23,11 +24,7 @@ from shared.policies.reader import tagger, teller
 from shared.policies.reader.claims import put_on
 from shared.policies.reader.clauses import EXCLUDES, judged
 from shared.policies.reader.located import arm_of, located
-from shared.policies.reader.looks import (
-    KINDS,
-    as_things,
-    fitting,
-)
+from shared.policies.reader.looks import KINDS, as_things, fitting
 from shared.policies.reader.meant import (
     LEAST_ACT,
     PUTS,
@@ -53,6 +50,8 @@ from shared.policies.reader.teller import Teller, softmax
 from shared.policies.reader.weighed import Scale
 
 NEAREST = 3
+FAINT = 0.01
+"""A score below it orders nothing: the command means something else altogether."""
 REMEMBERED = 4096
 
 
@@ -166,6 +165,7 @@ class Reader:
         reading: Reading | None = None,
     ) -> list[tuple[str, float]]:
         """The possible commands that a phrase is nearest to, with their scores; see `possible`.
+        Those that are faint in what is like nothing known come by likeness of the sentences.
 
         reading: what it was read as, where more is known of the scene than what is there.
         """
@@ -174,8 +174,16 @@ class Reader:
         if reading.command is not None and not can[reading.command]:
             acts, names, _ = self._taken(self.spelt(text)).told(there, len(self.commands))
             scores = acts * names  # Also of a command as it is: of the others it tells nothing.
-        order = np.argsort(-np.where(can, scores, -1.0), kind="stable")
+        first, alike = scores, np.zeros(len(scores))
+        if reading.command is None and not reading.why:
+            first = np.where(scores < FAINT, 0.0, scores)
+            alike = self._sentences @ self._encoder.embed([bare(text)])[0]
+        order = np.lexsort((-alike, -np.where(can, first, -1.0)))
         return [(self.commands[row], float(scores[row])) for row in order[:NEAREST] if can[row]]
+
+    @cached_property
+    def _sentences(self) -> Floats:
+        return self._encoder.embed(self.commands)
 
     def spelt(self, text: str) -> str:
         """The phrase as it is read: plain, in standard words, without a full stop, slips undone."""

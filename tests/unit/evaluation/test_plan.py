@@ -2,8 +2,10 @@
 
 import pytest
 
+from shared.code import ROOT
 from shared.errors import ConfigError, HldError, PolicyError
-from shared.evaluation.phrase import Phrases
+from shared.evaluation import phrase
+from shared.evaluation.phrase import READING, Phrases
 from shared.evaluation.plan import Plan, find_high_level, parse_seeds
 from shared.seeds import purpose
 
@@ -29,6 +31,13 @@ def test_rows_of_a_site_are_not_those_of_another_that_took_its_name(tmp_path):
     site.write_text('name = "mine"\ndistractors = 8\n')
     assert plan.note() != before[0]
     assert phrases.note() != before[1]
+
+
+def test_what_phrases_were_taken_for_by_other_rules_is_not_kept(monkeypatch):
+    before = Phrases().note()
+    monkeypatch.setattr(phrase, "READING", ("shared/policies/reader/reader.py",))
+    assert Phrases().note() != before
+    assert all(any(ROOT.glob(pattern)) for pattern in READING)
 
 
 @pytest.mark.parametrize(("text", "seeds"), [("0:60", (0, 60)), ("7:8", (7, 8)), ("5", (0, 5))])

@@ -2,7 +2,10 @@
 
 from services.learner.experiments import sides
 from shared.evaluation.scene import Setting, prepare
-from shared.workcell.env import WorkcellEnv
+from shared.messages.goal import LanguageGoal
+from shared.policies.checkpoint import bundled
+from shared.policies.low_level import LowLevel
+from shared.workcell.env import WorkcellEnv, objects, proprioception
 from shared.workcell.objects import index
 from tests.unit.experiments.bench import here
 
@@ -33,3 +36,23 @@ def test_pairs_are_two_things_that_lie_apart(tmp_path) -> None:
         left, right = (env.state.points[index(name)][0] for name in pair.things)
         assert right - left > sides.APART_M
     env.close()
+
+
+def test_the_bundled_low_level_takes_the_thing_on_the_side_that_is_named(tmp_path) -> None:
+    """By reading alone: of 96 it read all right on 2026-12-01, and none as the other side."""
+    told = {
+        trial: one
+        for pair in sides.pairs(here(tmp_path, (0, 16)))
+        for trial, one in pair.trials().items()
+    }
+    low_level, env = LowLevel.load(bundled("low_level")), WorkcellEnv()
+    read = {}
+    for trial in told:
+        prepare(env, trial.setting)
+        goal, there = LanguageGoal(text=trial.phrase), objects(env.state)
+        assert low_level.objection(proprioception(env.state), there, goal) == ""
+        read[trial] = low_level.meaning(goal, there)
+    env.close()
+    assert len(told) >= 64
+    assert sum(read[trial] == trial.expected for trial in told) >= 0.95 * len(told)
+    assert [trial.phrase for trial, one in told.items() if read[trial] == one.opposite] == []

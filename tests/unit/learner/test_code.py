@@ -7,9 +7,10 @@ from pathlib import Path
 import pytest
 
 from services.learner import code
-from services.learner.code import DECIDING, LIBRARIES, ROOT, code_version
+from services.learner.code import DECIDING, LIBRARIES, code_version
 from services.learner.rounds import next_manifest, take_stock
 from services.learner.store.store import Marks
+from shared.code import ROOT
 
 STEPS = ("train", "gate", "trials", "canary", "turn", "loop")
 """Modules of the learner from which everything else of a round is imported."""

@@ -5,6 +5,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from shared.errors import PolicyError
 from shared.goals.family import Floats
@@ -110,6 +111,21 @@ def test_what_nobody_here_can_do_is_refused_with_the_nearest(reader: Reader, tex
     near = [text for text, _ in reader.nearest(text, DISHES)]
     assert len(near) == 3
     assert not {"pick up the cheese", "pick up the ham"} & set(near)
+
+
+@pytest.mark.parametrize(
+    ("text", "there", "like"),
+    [
+        ("eat the cheese", FOOD, "pick up the cheese"),
+        ("slice the bread", FOOD, "pick up the bread"),
+        ("clear the glass", DISHES, "pick up the glass"),
+    ],
+)
+def test_nearest_to_what_is_like_no_command_is_the_sentence_most_like_it(
+    reader: Reader, text: str, there: NDArray[np.bool_], like: str
+) -> None:
+    assert reader.read(text, there).command is None
+    assert reader.nearest(text, there, empty=True)[0][0] == like
 
 
 def test_nearest_to_a_command_about_what_is_missing_is_what_it_is_like(reader: Reader) -> None:
