@@ -152,6 +152,23 @@ def test_the_next_key_goes_to_a_real_robot_in_doubt(page: Page, fleet: Fleet) ->
     again(fleet, attempt, "robot-2 came into focus")
 
 
+@pytest.mark.timeout(400)
+def test_one_press_freezes_both_real_robots_and_each_carries_on_when_it_is_told(
+    page: Page, fleet: Fleet
+) -> None:
+    def frozen() -> list[str]:
+        robots = fleet.get("/robots")["robots"]
+        return [one["robot"] for one in robots if one["state"] == "paused"]
+
+    page.keyboard.press("Shift+Escape")
+    fleet.wait_for(lambda: sorted(frozen()) == ["robot-1", "robot-2"], "both robots stand still")
+    expect(line(page)).to_have_text("All 2 robots are frozen")
+    for robot, left in (("robot-2", ["robot-1"]), ("robot-1", list[str]())):
+        page.locator(f"[data-tile={robot}]").click()
+        page.get_by_role("button", name="Carry on").click()
+        fleet.wait_for(lambda left=left: frozen() == left, f"{robot} carries on")
+
+
 @pytest.mark.timeout(600)
 def test_what_is_said_of_a_real_episode_afterwards_becomes_a_version(
     browser: Browser, fleet: Fleet
@@ -169,3 +186,25 @@ def test_what_is_said_of_a_real_episode_afterwards_becomes_a_version(
     )
     with visited(browser, f"{desk(fleet)}progress.html") as page:
         expect(page.get_by_role("cell", name=version, exact=True).first).to_be_visible()
+
+
+@pytest.mark.timeout(600)
+def test_a_person_rolls_back_on_the_page_and_real_robots_run_the_old_weights(
+    browser: Browser, fleet: Fleet
+) -> None:
+    fleet.wait_for(lambda: fleet.get("/policy")["version"] != "1.0", "a round made a version")
+    with visited(browser, f"{desk(fleet)}progress.html") as page:
+        page.get_by_label("You are").fill("anna")
+        back = page.get_by_role("form", name="Roll back")
+        back.get_by_label("version").select_option("0")
+        back.get_by_label("reason").fill("it drops the bread")
+        back.get_by_role("button").click()
+        expect(page.locator("tr[data-ruling]").first).to_contain_text("done")
+
+    def runs_what_was_rolled_back_to() -> bool:
+        policy = fleet.get("/policy")
+        weights = {one["version"]: one["again"] for one in policy["versions"]}
+        running = [robot["version"] for robot in fleet.get("/robots")["robots"]]
+        return all(weights.get(version) == 0 for version in running)
+
+    fleet.wait_for(runs_what_was_rolled_back_to, "both robots run the weights of 1.0 again")
