@@ -58,7 +58,7 @@ function stop(event, action) {
 
 function act(event, key, action) {
   const sign = signOf(event, key);
-  if (follow(event, sign)) event.preventDefault();
+  if (follow(event, sign, action)) event.preventDefault();
   else if (action?.digit || (action && !action.up && LETTER.test(sign))) begin(event, sign, action);
   else if (action) run(event, action);
   else if (sign && sign !== " ") openPalette(); // The letter goes into the field.
