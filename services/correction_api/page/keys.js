@@ -37,9 +37,10 @@ export function capture(name) {
 
 function down(event) {
   const key = pressed(event);
-  if (!key || event.isComposing || state.locked) return;
+  if (!key || state.locked) return;
   const name = actionOf(key);
   const action = ACTIONS[name];
+  if (event.isComposing && !action?.urgent) return; // It belongs to the sign that is being composed.
   if (state.capture && !(action?.urgent && name !== state.capture)) return take(event, key);
   if (action?.urgent) stop(event, action);
   else if (event.target.matches?.(FIELDS)) return;

@@ -124,6 +124,20 @@ def test_what_stops_gets_no_key_that_one_types_and_esc_always_stops(
     assert robot.kinds() == [Kind.PAUSE, Kind.PAUSE]
 
 
+@pytest.mark.parametrize("key", ["Escape", "Process"])
+def test_esc_stops_the_robot_while_a_sign_is_being_composed_and_no_other_key_acts(
+    page: Page, robot: FakeRobot, key: str
+) -> None:
+    page.keyboard.press("/")
+    expect(page.locator("input[name=words]")).to_be_focused()
+    composed = {"isComposing": True}
+    page.evaluate(PRESSED, {"key": "2", "code": "Digit2", **composed})
+    page.evaluate(PRESSED, {"key": key, "code": "Escape", **composed})
+    eventually(lambda: robot.kinds() == [Kind.PAUSE])
+    expect(line(page)).to_contain_text("freeze, robot-1: in force since step")
+    assert len(robot.heard) == 1
+
+
 def test_keys_from_before_that_would_be_unsafe_are_forgotten(page: Page, robot: FakeRobot) -> None:
     page.evaluate(REMAPPED, {"freeze": "q", "propose-1": "Escape", "approve": "u"})
     page.reload()
