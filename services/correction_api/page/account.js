@@ -1,10 +1,12 @@
 // One episode put together: what was in force when, what was said, and what of it still stands.
 import { get } from "./api.js";
+import { standing as stands } from "./words.js";
 
 export const STEPS_A_SECOND = 50; // The control rate of the robots.
 
 const AMENDS = ["retract", "edit", "retime"];
 const GONE = ["refused", "expired"];
+const LATER = { episode: "a later one", state: "acting", step: 0 }; // a robot whose episode is over
 
 export const isPolicy = (chosenBy) => /^\d+\.\d+$/.test(chosenBy);
 
@@ -24,11 +26,12 @@ export async function recall(id, known = []) {
 export function assemble(account, decisions) {
   const last = decisions.at(-1)?.step ?? 0;
   const steps = account.episode?.steps ?? last + STEPS_A_SECOND;
-  const said = standing(account.corrections, decisions);
+  const said = standing(account.corrections, decisions, account.episode ? LATER : null);
   return { account, decisions, steps, said, segments: segments(decisions, account, steps) };
 }
 
-/** The commands in force as [from, to) with who chose them; what a person said wins at its step. */
+/** The commands in force as [from, to) with who chose them; what a person said wins at its step.
+ *  Neighbours with the same command and the same chooser are one stretch. */
 export function segments(decisions, { corrections }, steps) {
   const events = decisions.map((one) => ({
     from: one.step,
@@ -40,18 +43,21 @@ export function segments(decisions, { corrections }, steps) {
     events.push({ from: receipt.step, text: correction.goal.text, by: correction.id });
   }
   events.sort((one, other) => one.from - other.from); // Stable: people after decisions.
+  const authors = new Map(corrections.map(({ correction }) => [correction.id, correction.author]));
+  const chooser = ({ by }) => authors.get(by) ?? by;
   const found = [];
   for (const event of events) {
+    if (found.at(-1)?.from === event.from) found.pop();
     const before = found.at(-1);
-    if (before?.text === event.text && before.by === event.by) continue;
-    if (before?.from === event.from) found.pop();
+    if (before?.text === event.text && chooser(before) === chooser(event)) continue;
     found.push(event);
   }
   return found.map((one, at) => ({ ...one, to: found[at + 1]?.from ?? steps }));
 }
 
-/** What was said, each with its words and steps as they stand, and whether it was taken back. */
-export function standing(corrections, decisions) {
+/** What was said, each with its words and steps as they stand, whether it was taken back, and its
+ *  state in words. robot: as it is now, where that is known. */
+export function standing(corrections, decisions, robot = null) {
   const counts = corrections.filter(({ status }) => !GONE.includes(status));
   const amending = counts.filter(({ correction }) => AMENDS.includes(correction.kind));
   const retracted = new Set(
@@ -62,6 +68,9 @@ export function standing(corrections, decisions) {
       (view) =>
         view.correction.kind === kind && target(view) === id && !retracted.has(view.correction.id),
     )?.correction;
+  const resumes = corrections.filter(
+    ({ correction, status }) => correction.kind === "resume" && status === "in force",
+  );
   return corrections.map((view) => {
     const said = view.correction;
     const moved = last("retime", said.id) ?? said;
@@ -74,6 +83,7 @@ export function standing(corrections, decisions) {
       seen: said.seen_step,
       inForce: view.receipt?.step ?? null,
       retracted: retracted.has(said.id),
+      state: retracted.has(said.id) ? "taken back" : state(view, { robot, resumes }),
     };
   });
 }
@@ -102,11 +112,10 @@ export function begun({ begun_ns: at }, decisions) {
 export const within = (decisions, [first, end]) =>
   decisions.filter(({ step }) => step >= first && step < end);
 
-/** The state of something that was said, in a word or two. */
-export function state({ view, retracted }) {
-  if (retracted) return "taken back";
-  const doubt = view.reason ? `; ${view.reason}` : "";
-  return view.status === "kept" ? `kept for the next round${doubt}` : view.status;
+/** Where something stands that was said, as the live page tells it; now: as there. */
+function state(view, now) {
+  if (view.status !== "kept") return stands(view, "", now);
+  return `kept for the next round${view.reason ? `; ${view.reason}` : ""}`;
 }
 
 /** The anatomy of a rollout: why the high level was asked, and how long commands then held. */

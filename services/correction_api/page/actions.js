@@ -137,7 +137,13 @@ export async function takeBack(view) {
   return retell(robot, what, say(robot, { kind: "retract", target: id }));
 }
 
-const newest = (views) => views.sort((one, other) => other.sequence - one.sequence)[0];
+/** What was said last; of what was said to several robots at one press, that to the one in focus. */
+function newest(views) {
+  const [last] = views.sort((one, other) => other.sequence - one.sequence);
+  const together = ({ correction }) => correction.begun_ns === last.correction.begun_ns;
+  const here = ({ correction }) => correction.robot === state.focused;
+  return views.find((one) => here(one) && together(one)) ?? last;
+}
 
 /** One's own freeze that still holds: no "carry on" came after it, and the robot didn't go on. */
 function stops({ correction, status, receipt, sequence }) {
@@ -156,8 +162,12 @@ const resumed = (robot) =>
 const standingOf = (robot, kind) =>
   state.corrections[robot].filter(({ correction, status }) => correction.kind === kind && stands(status));
 
-/** A freeze is taken back by carrying on, unless somebody else has frozen the robot as well. */
+/** A freeze is taken back by carrying on, where one sees it, unless somebody else has frozen the
+ *  robot as well. */
 function unfreeze(robot) {
+  if (robot !== state.focused) {
+    return tell(`${robot} stays frozen, since you don't look at it: go to it to take that back`, "bad");
+  }
   const others = standingOf(robot, "pause").filter(
     ({ correction, sequence }) => correction.author !== author() && sequence > resumed(robot),
   );

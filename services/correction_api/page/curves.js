@@ -128,9 +128,10 @@ function line(plot, { x, colour: name }, colour) {
   ctx.restore();
 }
 
+/** Where nothing is more than 0, the axis goes to 1: figures nobody measured say nothing. */
 function highest(curves) {
   const values = curves.flatMap(({ y, high }) => [...y, ...(high ?? [])]);
-  return 1.15 * Math.max(1e-9, ...values.filter((value) => value !== null));
+  return 1.15 * Math.max(0, ...values.filter((value) => value !== null)) || 1;
 }
 
 /** What the colours mean. */

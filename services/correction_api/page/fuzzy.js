@@ -8,20 +8,26 @@ export const wordsOf = (text) => text.toLowerCase().match(/[\p{L}\p{N}]+/gu) ?? 
 /** The things that a command is about and a prompt names. */
 export function named(command, prompt) {
   const asked = new Set(wordsOf(prompt));
-  return wordsOf(command).some((word) => !LEADS.includes(word) && asked.has(word));
+  return things(command).some((word) => asked.has(word));
 }
+
+const things = (command) => wordsOf(command).filter((word) => !LEADS.includes(word));
 
 /**
  * Known commands that fit what was typed, best first: [{text, inPrompt, score, guessed}]. Every word
- * that was typed must be found; what the prompt names goes before the rest. guessed: a slip in a
- * short word was made good, which may as well be another word.
+ * that was typed must be found; what the prompt names goes before the rest. A slip in a word that
+ * leads to the thing ("teh bread") is made good only where the thing itself was typed, too: else "che"
+ * would mean "the", and so every command. guessed: a slip in a short word was made good, which may as
+ * well be another word.
  */
 export function rank(typed, commands, prompt) {
   const words = wordsOf(typed);
   return commands
     .map((text, at) => {
       const inPrompt = named(text, prompt);
-      const likes = words.map((word) => likest(word, wordsOf(text)));
+      const about = things(text);
+      const sure = !about.length || words.some((word) => about.some((one) => alike(word, one) > 0));
+      const likes = words.map((word) => likest(word, wordsOf(text), sure));
       const guessed = likes.includes(GUESSED);
       return { text, inPrompt, score: mean(likes) + (inPrompt ? 0.5 : 0), at, guessed };
     })
@@ -29,21 +35,23 @@ export function rank(typed, commands, prompt) {
     .sort((one, other) => other.score - one.score || one.at - other.at);
 }
 
-const likest = (word, known) => Math.max(...known.map((one) => alike(word, one)));
+const likest = (word, known, sure) =>
+  Math.max(...known.map((one) => alike(word, one, sure || !LEADS.includes(one))));
 
 function mean(likes) {
   if (likes.includes(0)) return -1;
   return likes.length ? likes.reduce((sum, like) => sum + like) / likes.length : 0;
 }
 
-/** 0 (not alike) to 4 (the same). */
-function alike(word, known) {
+/** 0 (not alike) to 4 (the same). slipping: whether a slip of the finger is made good. */
+function alike(word, known, slipping = true) {
   if (word === known) return 4;
   if (known.startsWith(word)) return 3;
   if (word.length > 2 && known.includes(word)) return 2;
-  if (word.length > 3 && slips(word, known) <= 1) return 1.5;
+  if (slipping && word.length > 3 && slips(word, known) <= 1) return 1.5;
   if (word.length > 1 && word[0] === known[0] && within(word, known)) return 1;
-  return word.length === 3 && known.length > 2 && slips(word, known, true) <= 1 ? GUESSED : 0;
+  const short = slipping && word.length === 3 && known.length > 2;
+  return short && slips(word, known, true) <= 1 ? GUESSED : 0;
 }
 
 /** The letters of a word stand in another one, in order. */

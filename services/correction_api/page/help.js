@@ -29,7 +29,8 @@ export class Help extends Component {
         </header>
         <p class="how">
           They act on the robot in focus, and rest while you type. A letter waits half a second (Enter:
-          not at all), since two begin a phrase. Press a key here to change it.
+          not at all), since two may begin a phrase; two that begin no word, such as y n, act at once.
+          Press a key here to change it.
         </p>
         <${Line} before=${this.before} />
         <ul>

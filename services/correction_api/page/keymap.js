@@ -97,7 +97,8 @@ export function reset() {
 
 /** The key of an event by name, such as "y", "Shift+Escape" or "Ctrl+z"; null for Shift alone. */
 export function pressed(event) {
-  const { key } = event;
+  const composing = event.key === "Process" && event.code === "Escape"; // It has no name just then.
+  const key = composing ? "Escape" : event.key;
   if (!key || MODIFIERS.includes(key)) return null;
   const parts = [];
   const typed = event.getModifierState?.("AltGraph"); // A sign that needs AltGr to be typed.

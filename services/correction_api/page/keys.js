@@ -37,9 +37,10 @@ export function capture(name) {
 
 function down(event) {
   const key = pressed(event);
-  if (!key || event.isComposing || state.locked) return;
+  if (!key || state.locked) return;
   const name = actionOf(key);
   const action = ACTIONS[name];
+  if (event.isComposing && !action?.urgent) return; // It belongs to the sign that is being composed.
   if (state.capture && !(action?.urgent && name !== state.capture)) return take(event, key);
   if (action?.urgent) stop(event, action);
   else if (event.target.matches?.(FIELDS)) return;
@@ -58,7 +59,7 @@ function stop(event, action) {
 
 function act(event, key, action) {
   const sign = signOf(event, key);
-  if (follow(event, sign)) event.preventDefault();
+  if (follow(event, sign, action)) event.preventDefault();
   else if (action?.digit || (action && !action.up && LETTER.test(sign))) begin(event, sign, action);
   else if (action) run(event, action);
   else if (sign && sign !== " ") openPalette(); // The letter goes into the field.

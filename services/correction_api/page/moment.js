@@ -38,7 +38,9 @@ export function Title({ id, robot, episode }) {
 /** name: of the episode, under which its pictures are. */
 export function Moment({ name, episode, at }) {
   const person = !isPolicy(at.chosen_by);
-  const told = episode.segments.find((one) => !isPolicy(one.by) && one.from === at.step);
+  const told = episode.segments.find(
+    ({ by, from, to }) => !isPolicy(by) && from <= at.step && at.step < to,
+  );
   return html`
     <section class="panel moment" aria-label="Decision at the cursor">
       <div class="stills">

@@ -1,5 +1,4 @@
 // What was said in an episode and about it, as a table; what stands can be taken back.
-import { state } from "./account.js";
 import { html } from "./html.js";
 import { called, count } from "./words.js";
 
@@ -43,14 +42,14 @@ const stands = ({ retracted, view }) =>
   !retracted && !["refused", "expired"].includes(view.status);
 
 function Row({ one, episode, retract }) {
-  const { correction, reason } = one.view;
+  const { correction } = one.view;
   return html`
     <tr data-correction=${correction.id} class=${one.retracted ? "gone" : ""}>
       <th scope="row">${called(one.kind)}</th>
       <td class="words">${one.text ?? correction.note ?? about(correction, episode)}</td>
       <td data-label="by">${correction.author}</td>
       <td data-label="steps:">${steps(one, episode.steps)}</td>
-      <td class="state">${state(one)}${reason && `: ${reason}`}</td>
+      <td class="state">${one.state}</td>
       <td>
         ${stands(one) &&
         TAKEN_BACK.includes(one.kind) &&

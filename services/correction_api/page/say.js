@@ -70,7 +70,9 @@ function refuse(id, what, error) {
 }
 
 /** Freeze every robot that the service has heard of, also those that this page does not show. */
-export const sayToAll = (begunMs = Date.now()) => stop(null, begunMs);
+export function sayToAll(begunMs = Date.now()) {
+  last = stop(null, begunMs);
+}
 
 /** Freeze these robots, or all. It is about no episode, and is tried until they stand still. */
 async function stop(robots, begunMs) {

@@ -3,6 +3,7 @@
 import { get } from "./api.js";
 
 const scenes = {}; // by robot: {episode, asked, refused}, both sets of phrases
+const commands = {}; // by robot: those that it said last that it could do
 
 /** What it could not do, as far as that is known. */
 export function refused({ robot, episode }) {
@@ -11,6 +12,9 @@ export function refused({ robot, episode }) {
   }
   return scenes[robot].refused;
 }
+
+/** The commands that it could do, as it said last. */
+export const listed = (robot) => commands[robot] ?? [];
 
 /** Ask about proposals that were not asked about yet; `found()` is called when some are refused. */
 export async function inquire(view, found) {
@@ -35,7 +39,8 @@ const question = (robot, text) => `robots/${robot}/phrase?text=${encodeURICompon
 
 /** Those that are none of the commands that it says it could do. */
 async function unlisted(robot, texts) {
-  const { commands, asked } = await get(`robots/${robot}/commands`);
-  if (!asked) throw new Error(`${robot} can't be asked now`);
-  return texts.filter((text) => !commands.includes(text));
+  const told = await get(`robots/${robot}/commands`);
+  commands[robot] = told.commands;
+  if (!told.asked) throw new Error(`${robot} can't be asked now`);
+  return texts.filter((text) => !told.commands.includes(text));
 }

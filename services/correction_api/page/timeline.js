@@ -1,6 +1,6 @@
 // The timeline of an episode: rows over control steps, a cursor, and a stretch that one drags; or,
 // without `seek` and `select`, a picture of it.
-import { isPolicy, state, STEPS_A_SECOND } from "./account.js";
+import { isPolicy, STEPS_A_SECOND } from "./account.js";
 import { Component, html } from "./html.js";
 import { still } from "./stills.js";
 import { called } from "./words.js";
@@ -222,7 +222,7 @@ const LIVE = ["override", "release", "pause", "resume"];
 function Said({ said, x }) {
   const y = TOP.said + 12;
   return said.map((one) => {
-    const name = `${called(one.kind)} ${one.text ?? ""}: ${state(one)}`;
+    const name = `${called(one.kind)} ${one.text ?? ""}: ${one.state}`;
     if (one.span && ["relabel", "fault", "override"].includes(one.kind)) {
       const [from, to] = one.span.map(x);
       const wide = Math.max(3, to - from);

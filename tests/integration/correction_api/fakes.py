@@ -39,6 +39,7 @@ class FakeRobot:
 
     heard: every correction that arrived, also repeated ones. receipts: what was answered, by id.
     reason: why it refuses whatever it is told; empty: it obeys.
+    answering: cleared, it hears and answers nothing until it is set again.
     A phrase with "dance" would be refused, any other would be taken for the first command.
     """
 
@@ -53,6 +54,8 @@ class FakeRobot:
         self.heard: list[Correction] = []
         self.receipts: dict[str, Receipt] = {}
         self.deaf, self.reason = False, ""
+        self.answering = threading.Event()
+        self.answering.set()
         self.low_level_sha256 = "5d" * 32
         self._serving = [
             bus.serve(robot_key(FLEET, name, "correction"), self._obey),
@@ -64,6 +67,7 @@ class FakeRobot:
 
     def close(self) -> None:
         self._ended.set()
+        self.answering.set()
         self._thread.join()
         for serving in self._serving:
             serving.close()
@@ -122,7 +126,7 @@ class FakeRobot:
         """Publish a decision (again)."""
         self.bus.put(robot_key(FLEET, self.name, "decision"), encode(decision))
 
-    def end(self, outcome: Outcome = Outcome.SUCCESS) -> Episode:
+    def end(self, outcome: Outcome = Outcome.SUCCESS, corrections: int = 2) -> Episode:
         """End the episode, and begin the next one."""
         number = int(self.episode.rpartition("e")[2])
         episode = Episode(
@@ -138,7 +142,7 @@ class FakeRobot:
             outcome=outcome,
             steps=self.step,
             decisions=self.index,
-            corrections=2,
+            corrections=corrections,
             started_ns=time.time_ns() - 10**9,
             ended_ns=time.time_ns(),
         )
@@ -206,6 +210,7 @@ class FakeRobot:
     def _obey(self, key: str, payload: bytes) -> bytes:
         del key  # Unused.
         correction = decode(Correction, payload)
+        self.answering.wait()
         self.heard.append(correction)
         if correction.id not in self.receipts:
             self.receipts[correction.id] = self._judge(correction)

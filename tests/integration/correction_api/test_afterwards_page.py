@@ -11,7 +11,7 @@ from playwright.sync_api import Browser, Page, Route, expect
 
 from shared.messages.episode import Outcome
 from shared.wire.memory import MemoryBus, MemoryRouter
-from tests.integration.correction_api.browsing import DESK, PHONE, drag_stretch, line, opened
+from tests.integration.correction_api.browsing import PHONE, drag_stretch, line, opened
 from tests.integration.correction_api.fakes import COMMANDS, FakeLearner, FakeRobot
 from tests.integration.correction_api.keeper import attempt, kept
 from tests.integration.correction_api.running import eventually, running
@@ -40,31 +40,6 @@ def fits(page: Page, size: tuple[int, int]) -> bool:
 def account(world: World) -> list[dict[str, object]]:
     told = world.api.get(f"api/v1/episodes/{world.bad}").json()
     return [view["correction"] for view in told["corrections"]]
-
-
-@pytest.mark.parametrize("size", [DESK, PHONE])
-def test_the_list_is_filtered_and_a_reload_keeps_the_filters(
-    browser: Browser, world: World, size: tuple[int, int]
-) -> None:
-    with opened(browser, world.api, size, "episodes.html") as page:
-        rows = page.locator("tr[data-episode]")
-        expect(rows).to_have_count(2)
-        page.get_by_label("Success").select_option("false")
-        expect(rows).to_have_count(1)
-        expect(rows.first).to_have_attribute("data-episode", world.bad)
-        assert page.url.endswith("?success=false")
-        page.reload()
-        expect(rows).to_have_count(1)
-        expect(page.get_by_label("Success")).to_have_value("false")
-        page.get_by_label("Task").select_option("sandwich")
-        page.get_by_label("Doubt").select_option("true")
-        expect(page.locator(".lead")).to_have_text("No episode is like this.")
-        page.get_by_role("button", name="All episodes").click()
-        expect(rows).to_have_count(2)
-        assert fits(page, size)
-        rows.first.get_by_role("link").click()
-        expect(page).to_have_url(re.compile(f"episode.html\\?id={world.bad}$"))
-        expect(page.get_by_role("heading", name="make a sandwich")).to_be_visible()
 
 
 def test_a_stretch_is_dragged_and_relabelled_and_taken_back(browser: Browser, world: World) -> None:

@@ -120,6 +120,25 @@ def test_a_slip_in_a_word_of_three_letters_finds_it_and_nothing_else(page: Page)
     assert found == {"cup": [[cup, False]], **{slip: [[cup, True]] for slip in SLIPS}, "elk": []}
 
 
+def test_a_slip_in_a_word_that_leads_to_a_thing_finds_nothing_unless_the_thing_is_typed(
+    page: Page,
+) -> None:
+    known = ["pick up the cheese", "pick up the ham", "put it in the tub", "wait"]
+    found = {
+        typed: [text for text, _ in page.evaluate(RANKED, [typed, known])]
+        for typed in ("che", "pick up che", "tha", "pikc", "teh ham", "pikc up ham", "wiat")
+    }
+    assert found == {
+        "che": ["pick up the cheese"],
+        "pick up che": ["pick up the cheese"],
+        "tha": [],
+        "pikc": [],
+        "teh ham": ["pick up the ham"],
+        "pikc up ham": ["pick up the ham"],
+        "wiat": ["wait"],
+    }
+
+
 def test_a_guess_at_a_short_word_stands_below_what_was_typed_and_enter_does_not_say_it(
     page: Page, robot: FakeRobot
 ) -> None:
@@ -253,5 +272,10 @@ def test_all_of_it_can_be_done_by_touch(
                     expect(page.locator(".who")).to_have_text("told by person")
             page.locator("[data-tile=robot-2]").tap()
             expect(focused(page)).to_have_text("robot-2")
+            assert other.heard == []
+            page.get_by_role("button", name="Freeze all").tap()
+            eventually(lambda: other.state is RobotState.PAUSED)
+            expect(line(page)).to_have_text("Both robots are frozen")
+            assert (other.kinds(), robot.kinds()[-1]) == ([Kind.PAUSE], Kind.PAUSE)
             assert page.evaluate("document.documentElement.scrollWidth") <= PHONE[0]
         other.close()

@@ -3,6 +3,7 @@
 import re
 
 import httpx
+import pytest
 from playwright.sync_api import Page, expect
 
 from shared.messages.correction import Kind
@@ -38,6 +39,30 @@ def test_ctrl_z_after_a_freeze_lets_the_robot_go_on_and_then_takes_back_the_word
     eventually(lambda: robot.kinds()[3:] == [Kind.RETRACT])
     assert robot.heard[3].target == robot.heard[0].id
     expect(line(page)).to_contain_text(f"taken back “{COMMANDS[1]}”, robot-1: heard at step")
+
+
+@pytest.mark.parametrize("at", [0, 1])
+def test_ctrl_z_after_freeze_all_lets_the_robot_in_focus_go_on_and_no_other(
+    page: Page, robot: FakeRobot, other: FakeRobot, at: int
+) -> None:
+    here, there = (robot, other)[at], (other, robot)[at]
+    page.locator(f"[data-tile={here.name}]").click()
+    expect(focused(page)).to_have_text(here.name)
+    page.keyboard.press("Shift+Escape")
+    page.keyboard.press("Control+z")
+    eventually(lambda: here.kinds() == [Kind.PAUSE, Kind.RESUME])
+    expect(line(page)).to_contain_text(f"freeze taken back, {here.name}: heard at step")
+    eventually(lambda: here.state is RobotState.ACTING)
+    page.keyboard.press("Control+z")
+    expect(line(page)).to_have_text(
+        f"{there.name} stays frozen, since you don't look at it: go to it to take that back"
+    )
+    assert there.kinds() == [Kind.PAUSE]
+    page.locator(f"[data-tile={there.name}]").click()
+    expect(focused(page)).to_have_text(there.name)
+    page.keyboard.press("Control+z")
+    eventually(lambda: there.kinds() == [Kind.PAUSE, Kind.RESUME])
+    assert here.kinds() == [Kind.PAUSE, Kind.RESUME]
 
 
 def test_a_freeze_that_somebody_else_means_as_well_is_not_taken_back(
@@ -97,6 +122,20 @@ def test_what_stops_gets_no_key_that_one_types_and_esc_always_stops(
         page.keyboard.press(key)
         eventually(lambda count=count: len(robot.heard) == count + 1)
     assert robot.kinds() == [Kind.PAUSE, Kind.PAUSE]
+
+
+@pytest.mark.parametrize("key", ["Escape", "Process"])
+def test_esc_stops_the_robot_while_a_sign_is_being_composed_and_no_other_key_acts(
+    page: Page, robot: FakeRobot, key: str
+) -> None:
+    page.keyboard.press("/")
+    expect(page.locator("input[name=words]")).to_be_focused()
+    composed = {"isComposing": True}
+    page.evaluate(PRESSED, {"key": "2", "code": "Digit2", **composed})
+    page.evaluate(PRESSED, {"key": key, "code": "Escape", **composed})
+    eventually(lambda: robot.kinds() == [Kind.PAUSE])
+    expect(line(page)).to_contain_text("freeze, robot-1: in force since step")
+    assert len(robot.heard) == 1
 
 
 def test_keys_from_before_that_would_be_unsafe_are_forgotten(page: Page, robot: FakeRobot) -> None:

@@ -232,19 +232,25 @@ def test_what_is_too_early_for_the_strip_is_in_the_player(
         expect(page.get_by_role("link", name="56 or more before", exact=True)).to_be_visible()
 
 
-def test_a_correction_goes_from_in_force_to_learned_and_stays_so_after_a_rollback(
+def test_a_correction_goes_from_pending_to_in_force_to_learned_and_stays_so_after_a_rollback(
     browser: Browser, api: httpx.Client, robot: FakeRobot, learner: FakeLearner
 ) -> None:
     robot.decide()
     with opened(browser, api) as page:
         expect(page.locator(".proposal")).to_have_count(len(COMMANDS))
-        for key in ("2", "y"):
-            page.keyboard.press(key)
-            eventually(lambda key=key: len(robot.heard) == "2y".index(key) + 1)
+        robot.answering.clear()
+        page.keyboard.press("2")
+        expect(said(page).first.locator(".where")).to_have_text("pending")
+        expect(line(page)).to_have_text(f"“{COMMANDS[1]}”, robot-1: pending")
+        assert robot.receipts == {}
+        robot.answering.set()
+        expect(said(page).first).to_contain_text("in force since step")
+        page.keyboard.press("y")
+        eventually(lambda: len(robot.receipts) == 2)
         expect(said(page)).to_have_count(2)
-        expect(said(page).last).to_contain_text("in force since step")
-        learner.learned[robot.heard[0].id] = Version(1, 1)
-        learner.held_out.add(robot.heard[1].id)
+        command, verdict = robot.receipts
+        learner.learned[command] = Version(1, 1)
+        learner.held_out.add(verdict)
         learner.announce("1.1")
         expect(said(page).last).to_contain_text("→ learned in 1.1")
         expect(said(page).first).to_contain_text("→ held out as a test")

@@ -8,6 +8,7 @@ import wave as waves
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import httpx
 from playwright.sync_api import Locator, Page, Route, expect, sync_playwright
@@ -27,8 +28,11 @@ PATIENCE_S = 150.0
 
 
 @contextmanager
-def microphone(url: str, wave: str, *flags: str) -> Iterator[Page]:
-    """The page in a browser of its own, since a recording is given to a whole browser."""
+def microphone(url: str, wave: str, *flags: str, **options: Any) -> Iterator[Page]:
+    """The page in a browser of its own, since a recording is given to a whole browser.
+
+    options: of the browser's context, such as `viewport`.
+    """
     path = shutil.which("chromium")
     assert path, "no chromium: apt-get install chromium"
     expect.set_options(timeout=60_000)  # For machines that are busy with something else.
@@ -37,7 +41,7 @@ def microphone(url: str, wave: str, *flags: str) -> Iterator[Page]:
         sound = f"--use-file-for-fake-audio-capture={_recorded(Path(folder), wave)}%noloop"
         args = [*FLAGS, "--use-fake-device-for-media-stream", sound, *flags]
         browser = playwright.chromium.launch(executable_path=path, args=args)
-        page = browser.new_page()
+        page = browser.new_page(**options)
         page.on("pageerror", lambda error: complaints.append(str(error)))
         page.goto(url)
         yield page

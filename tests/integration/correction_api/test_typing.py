@@ -6,7 +6,7 @@ from playwright.sync_api import Locator, Page, expect
 from shared.messages.correction import Kind
 from shared.messages.heartbeat import RobotState
 from tests.integration.correction_api.browsing import focused, line
-from tests.integration.correction_api.fakes import FakeRobot
+from tests.integration.correction_api.fakes import COMMANDS, FakeRobot
 from tests.integration.correction_api.running import eventually
 
 SENTENCES = (
@@ -17,8 +17,12 @@ SENTENCES = (
     "yellow slice",
     "Yes, the bread",
     "carry it over",
+    "rye bread",
+    "crumbs off",
 )
 """Each begins with a letter that is a key."""
+YNGLING = "pick up the yngling"
+LISTED = "async () => (await import('./scene.js')).listed('robot-1')"
 PRESSED = """
 async keys => {
   const { state } = await import("./store.js");
@@ -61,6 +65,60 @@ def test_no_typed_sentence_is_taken_for_a_key(
     page.clock.run_for(700)
     expect(focused(page)).to_have_text("robot-1")
     assert robot.kinds() + other.kinds() == [Kind.OVERRIDE]
+
+
+@pytest.mark.parametrize(("key", "kind"), [("y", Kind.APPROVE), ("r", Kind.RELEASE)])
+def test_two_letters_that_begin_no_word_act_both_at_once_and_in_order(
+    page: Page, robot: FakeRobot, other: FakeRobot, key: str, kind: Kind
+) -> None:
+    expect(page.locator(".tile")).to_have_count(2)
+    page.keyboard.press("2")
+    expect(page.locator(".who")).to_have_text("told by person")
+    other.ask()
+    expect(page.get_by_role("button", name="1 in doubt")).to_be_visible()
+    stop_clock(page)
+    page.keyboard.press(key)
+    page.clock.run_for(200)
+    page.keyboard.press("n")
+    page.clock.run_for(100)  # Neither waits any longer.
+    expect(focused(page)).to_have_text("robot-2")
+    eventually(lambda: robot.kinds() == [Kind.OVERRIDE, kind])
+    expect(words(page)).to_have_value("")
+    assert other.heard == []
+
+
+def test_no_letter_acts_at_once_on_a_robot_that_another_letter_has_just_brought_into_focus(
+    page: Page, robot: FakeRobot, other: FakeRobot
+) -> None:
+    expect(page.locator(".tile")).to_have_count(2)
+    other.ask()
+    expect(page.get_by_role("button", name="1 in doubt")).to_be_visible()
+    stop_clock(page)
+    page.keyboard.press("n")
+    page.keyboard.press("y")
+    page.clock.run_for(100)
+    expect(focused(page)).to_have_text("robot-2")
+    expect(line(page)).to_have_text("y …: That is right")
+    page.keyboard.press("Backspace")
+    page.clock.run_for(700)
+    page.keyboard.press("n")
+    page.keyboard.press("y")
+    page.clock.run_for(700)
+    eventually(lambda: other.kinds() == [Kind.APPROVE])
+    assert robot.heard == []
+
+
+def test_two_letters_with_which_a_known_command_has_a_word_are_typed(
+    page: Page, robot: FakeRobot
+) -> None:
+    bank = {"commands": [*COMMANDS, YNGLING], "asked": True}
+    page.route("**/commands", lambda route: route.fulfill(json=bank))
+    page.reload()
+    eventually(lambda: YNGLING in page.evaluate(LISTED))
+    page.keyboard.type("yngling")
+    expect(words(page)).to_have_value("yngling")
+    expect(page.locator("[role=option]").first).to_contain_text(YNGLING)
+    assert robot.heard == []
 
 
 def test_a_letter_that_waits_is_about_what_was_seen_when_it_was_pressed(
