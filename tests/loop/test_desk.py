@@ -162,7 +162,7 @@ def test_one_press_freezes_both_real_robots_and_each_carries_on_when_it_is_told(
 
     page.keyboard.press("Shift+Escape")
     fleet.wait_for(lambda: sorted(frozen()) == ["robot-1", "robot-2"], "both robots stand still")
-    expect(line(page)).to_have_text("All 2 robots are frozen")
+    expect(line(page)).to_have_text("Both robots are frozen")
     for robot, left in (("robot-2", ["robot-1"]), ("robot-1", list[str]())):
         page.locator(f"[data-tile={robot}]").click()
         page.get_by_role("button", name="Carry on").click()
