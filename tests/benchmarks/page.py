@@ -1,7 +1,8 @@
 """What it costs the robots that somebody looks: `make bench-page`.
 
 One actor process with robots in real time, or one for each, the API, and Chromium with the page
-open or closed, in turn. The browser of a lab is another machine's: here it yields to all else.
+open or closed, in turn. The browser of a lab is another machine's: here it is meant to yield, but
+as root Chromium takes its priority back (renderer 0, GPU process -8), so its work counts as well.
 Figures are printed and judged by nobody: they hold for this machine and what else it does.
 """
 
