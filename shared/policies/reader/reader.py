@@ -10,7 +10,6 @@ import re
 import threading
 from collections import OrderedDict
 from collections.abc import Iterable, Sequence
-from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -94,6 +93,7 @@ class Reader:
         self.commands, self.verbs, self.things = tuple(commands), verbs, things
         self._parts, self._acts, self._names, self._places = parts, acts, names, places
         self._encoder, self._scale = encoder, Scale(self.commands, names.alike.owner)
+        self._sentences = encoder.embed(self.commands)  # Now: later robots are moving.
         self._rows = {bare(text): row for row, text in enumerate(commands)}
         self._known = {
             word
@@ -180,10 +180,6 @@ class Reader:
             alike = self._sentences @ self._encoder.embed([bare(text)])[0]
         order = np.lexsort((-alike, -np.where(can, first, -1.0)))
         return [(self.commands[row], float(scores[row])) for row in order[:NEAREST] if can[row]]
-
-    @cached_property
-    def _sentences(self) -> Floats:
-        return self._encoder.embed(self.commands)
 
     def spelt(self, text: str) -> str:
         """The phrase as it is read: plain, in standard words, without a full stop, slips undone."""

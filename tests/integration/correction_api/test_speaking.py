@@ -149,20 +149,22 @@ def test_what_is_agreed_upon_is_done_at_once_and_can_be_undone(
         expect(card.get_by_role("button", name="Undo")).to_have_count(0)
 
 
+def differ(route: Route) -> None:
+    """The answer of two engines, written by hand: only one of them is always installed."""
+    if route.request.method != "POST":
+        route.continue_()
+        return
+    heard = [
+        {"engine": "pocketsphinx", "text": "the tomato", "command": COMMANDS[1]},
+        {"engine": "whisper", "text": "The plate.", "command": COMMANDS[2]},
+    ]
+    body = {"heard": heard, "agreed": None, "choices": [COMMANDS[1], COMMANDS[2]]}
+    route.fulfill(body=json.dumps(body))
+
+
 def test_of_two_the_second_is_chosen_by_its_digit_and_escape_chooses_none_but_stops(
     api: httpx.Client, robot: FakeRobot
 ) -> None:
-    def differ(route: Route) -> None:
-        if route.request.method != "POST":
-            route.continue_()
-            return
-        heard = [
-            {"engine": "pocketsphinx", "text": "the tomato", "command": COMMANDS[1]},
-            {"engine": "whisper", "text": "The plate.", "command": COMMANDS[2]},
-        ]
-        body = {"heard": heard, "agreed": None, "choices": [COMMANDS[1], COMMANDS[2]]}
-        route.fulfill(body=json.dumps(body))
-
     with microphone(str(api.base_url), "plate", ALLOW) as page:
         page.route("**/api/v1/speech*", differ)
         card = _card(page, robot)

@@ -1,16 +1,14 @@
 """Speaking to the page on a phone: a finger holds the button, and no button moves meanwhile."""
 
-import json
-
 import httpx
 import pytest
-from playwright.sync_api import Locator, Page, Route, expect
+from playwright.sync_api import Locator, Page, expect
 
 from shared.messages.correction import Kind
 from tests.integration.correction_api.browsing import PHONE, SIDEWAYS
 from tests.integration.correction_api.fakes import COMMANDS, FakeRobot
 from tests.integration.correction_api.running import eventually
-from tests.integration.correction_api.test_speaking import ALLOW, microphone
+from tests.integration.correction_api.test_speaking import ALLOW, differ, microphone
 from tests.integration.correction_api.visiting import FINGERS
 
 TAP_S = 0.25
@@ -49,19 +47,6 @@ class Finger:
 
     def _touch(self, what: str, points: list[dict[str, float]]) -> None:
         self._glass.send("Input.dispatchTouchEvent", {"type": what, "touchPoints": points})
-
-
-def differ(route: Route) -> None:
-    """The answer of two engines, written by hand: only one of them is always installed."""
-    if route.request.method != "POST":
-        route.continue_()
-        return
-    heard = [
-        {"engine": "pocketsphinx", "text": "the tomato", "command": COMMANDS[1]},
-        {"engine": "whisper", "text": "The plate.", "command": COMMANDS[2]},
-    ]
-    body = {"heard": heard, "agreed": None, "choices": [COMMANDS[1], COMMANDS[2]]}
-    route.fulfill(body=json.dumps(body))
 
 
 @pytest.mark.parametrize("size", [PHONE, SIDEWAYS], ids=["upright", "sideways"])
