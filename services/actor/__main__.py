@@ -51,6 +51,7 @@ def main(
             actor.clock,
             stop,
             actor.wake,
+            actor.throttle,
         )
     except (WorkcellError, PolicyError) as error:  # A task or a scene that the cell can't make.
         exit_misconfigured("actor", error)

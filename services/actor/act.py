@@ -241,6 +241,7 @@ class Runner:
                 real_time=settings.pace is Pace.REAL_TIME,
                 pending=self._recorder.pending,
                 help=self._asker.call,
+                pictures=self._observer.share,
                 **episode,
             )
         )

@@ -14,6 +14,7 @@ from services.actor.obey import Inbox
 from services.actor.observe import Observer
 from services.actor.record import Recorder
 from services.actor.refresh import Refresh
+from services.actor.throttle import Throttle
 from services.actor.understand import Listener
 from shared.clock import SystemClock
 from shared.messages.policy import Version
@@ -44,6 +45,7 @@ class Actor:
         settings.data.mkdir(parents=True, exist_ok=True)
         self.clock = SystemClock()
         self.wake = threading.Event()
+        self.throttle = Throttle()
         bus = self._closing.enter_context(open_bus(settings.bus))
         outbox = self._closing.enter_context(Outbox(settings.data / "outbox.sqlite"))
         courier = Courier(bus, outbox, self.clock)
@@ -95,7 +97,7 @@ class Actor:
 
     def _observer(self, name: str, settings: ActorSettings, bus: Bus) -> Observer:
         fleet, drawn = settings.bus.fleet, self._drawer.photographer
-        return Observer(bus, fleet, name, self.clock, settings.frames, drawn)
+        return Observer(bus, fleet, name, self.clock, settings.frames, self.throttle, drawn)
 
     def close(self) -> None:
         """Deliver no more, and leave the bus; what was not delivered stays on disk."""

@@ -11,6 +11,7 @@ import simplejpeg
 import structlog
 
 from services.actor.config import FrameSettings
+from services.actor.throttle import Throttle
 from shared.clock import Clock
 from shared.errors import NoAnswerError
 from shared.messages.frame import Channel, Frame, Rate
@@ -55,10 +56,13 @@ class Observer:
         robot: str,
         clock: Clock,
         frames: FrameSettings,
+        throttle: Throttle,
         drawn: Callable[[], Photographer] | None = None,
     ) -> None:
-        """drawn: makes who draws elsewhere, where snapshots are numbers; else it is done here."""
-        self._bus, self._clock, self._frames = bus, clock, frames
+        """throttle: how much of their rate pictures get.
+
+        drawn: makes who draws elsewhere, where snapshots are numbers; else it is done here."""
+        self._bus, self._clock, self._frames, self._throttle = bus, clock, frames, throttle
         channels = (Channel(camera, rate) for rate in Rate for camera in CAMERAS)
         self._keys = {channel: robot_key(fleet, robot, channel.message) for channel in channels}
         self._slow_every = max(1, round(frames.rate_hz / frames.slow_hz))
@@ -69,6 +73,11 @@ class Observer:
         self._waiting: queue.Queue[_Moment | None] = queue.Queue(1)
         self._thread = threading.Thread(target=self._draw, name=f"pictures-{robot}", daemon=True)
         self._thread.start()
+
+    @property
+    def share(self) -> float:
+        """How much of their rate pictures get."""
+        return self._throttle.share
 
     def heartbeat_due(self) -> bool:
         """It is time for a sign of life."""
@@ -84,7 +93,7 @@ class Observer:
         now = self._clock.monotonic_ns()
         if now < self._frame_due:
             return
-        self._frame_due = now + int(1e9 / self._frames.rate_hz)
+        self._frame_due = now + int(1e9 / (self._frames.rate_hz * self.share))
         watched = [channel for channel in self._due() if self._bus.watched(self._keys[channel])]
         for channel in watched:
             self._sequence[channel] += 1

@@ -42,6 +42,7 @@ ROBOT: Json = {
     "supervised": False,
     "real_time": True,
     "pending": 0,
+    "pictures": 1.0,
     "cameras": ["top", "angle"],
 }
 

@@ -30,7 +30,7 @@ from shared.messages.policy import is_version
 
 SHOWN = {
     *("robot", "actor", "state", "task", "prompt", "site", "number", "step"),
-    *("version", "supervised", "real_time", "pending"),
+    *("version", "supervised", "real_time", "pending", "pictures"),
 }
 
 PROPOSED = 3  # of a robot that asks for help

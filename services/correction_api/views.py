@@ -60,6 +60,7 @@ class RobotView(View):
     command: the one in force; by: the policy or a person; chosen_by: the policy version, or the
         id of that person's correction; author: who it was, if that is still known.
     pending: records that its actor still keeps for the learner.
+    pictures: the share of their rate that pictures get while its control loop needs the time.
     """
 
     robot: Annotated[Id, Field(examples=["robot-1"])]
@@ -83,6 +84,7 @@ class RobotView(View):
     supervised: bool
     real_time: bool
     pending: int
+    pictures: float
     cameras: tuple[str, ...] = CAMERAS
 
 

@@ -32,6 +32,8 @@ class RobotHeartbeat(Message):
     supervised: it waits at each decision for a verdict.
     help: its call for help that is open.
     pending: records that its actor still keeps for the learner.
+    pictures: the share of their rate that pictures get; less than 1 where its control loop needs
+        the time.
     """
 
     robot: Id
@@ -51,6 +53,7 @@ class RobotHeartbeat(Message):
     real_time: bool = True
     pending: Step = 0
     help: Help | None = None
+    pictures: float = Field(default=1.0, ge=0, le=1)
 
 
 class LearnerState(StrEnum):

@@ -53,7 +53,7 @@ NUMBERS: dict[type[Message], int] = {
     Receipt: 1,
     Recording: 1,
     RecordingQuery: 1,
-    RobotHeartbeat: 2,
+    RobotHeartbeat: 3,
     Ruling: 1,
     Still: 1,
     StillQuery: 1,
@@ -209,6 +209,7 @@ def robot() -> RobotHeartbeat:
         real_time=False,
         pending=3,
         help=HELP,
+        pictures=0.25,
     )
 
 

@@ -5,6 +5,7 @@ import { callOf, others, state } from "./store.js";
 import { doing, doubt, works } from "./words.js";
 
 const SPANS = 8;
+const SLOW = 0.5; // From this share of its rate on, a person sees that a picture lags.
 const TOLD = 64; // So many commands of an episode the service tells, and no earlier ones.
 
 /** One for each robot: whoever goes to another one, from wherever on a small page, sees it. */
@@ -59,6 +60,8 @@ function Title({ robot }) {
         ${doubt(call)}${call.waits_s ? `, waits ${Math.ceil(call.waits_s)} s` : ""}
       </span>`}
       ${others(robot.robot).map(({ name }) => html`<span class="doing">${name} is here, too</span>`)}
+      ${robot.pictures < SLOW &&
+      html`<span class="doing" title="Its control loop needs the time">pictures slowed</span>`}
       <span class="facts">
         episode ${robot.number} · step <b>${robot.step}</b> · π_HL <b>${robot.version}</b>
       </span>

@@ -4,6 +4,7 @@ import re
 import shutil
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import httpx
@@ -45,13 +46,13 @@ TAKEN_WITHIN_S = 150.0
 
 
 @contextmanager
-def launched() -> Iterator[Browser]:
-    """Debian's Chromium, without a screen."""
-    path = shutil.which("chromium")
-    assert path, "no chromium: apt-get install chromium"
+def launched(path: Path | None = None) -> Iterator[Browser]:
+    """Chromium, without a screen: Debian's, or what starts it at `path`."""
+    found = path or shutil.which("chromium")
+    assert found, "no chromium: apt-get install chromium"
     expect.set_options(timeout=PATIENCE_MS)
     with sync_playwright() as playwright:
-        browser = _launch(playwright, path)
+        browser = _launch(playwright, str(found))
         yield browser
         browser.close()
 

@@ -39,6 +39,7 @@ class FakeRobot:
 
     heard: every correction that arrived, also repeated ones. receipts: what was answered, by id.
     reason: why it refuses whatever it is told; empty: it obeys.
+    pictures: what it says of their rate.
     answering: cleared, it hears and answers nothing until it is set again.
     A phrase with "dance" would be refused, any other would be taken for the first command.
     """
@@ -51,6 +52,7 @@ class FakeRobot:
         self.version = Version(1, 0)
         self.state = RobotState.ACTING
         self.help: Help | None = None
+        self.pictures = 1.0
         self.heard: list[Correction] = []
         self.receipts: dict[str, Receipt] = {}
         self.deaf, self.reason = False, ""
@@ -171,6 +173,7 @@ class FakeRobot:
             version=self.version,
             supervised=self.supervised,
             help=self.help,
+            pictures=self.pictures,
         )
         self.bus.put(robot_key(FLEET, self.name, "heartbeat"), encode(heartbeat))
         if episode is None:

@@ -188,6 +188,19 @@ def test_robots_in_doubt_are_marked_and_a_key_goes_from_one_to_the_next(
             other.close()
 
 
+def test_pictures_that_give_way_to_the_control_loop_are_told(
+    browser: Browser, api: httpx.Client, robot: FakeRobot
+) -> None:
+    with opened(browser, api) as page:
+        slowed = page.locator(".focus .title").get_by_text("pictures slowed")
+        expect(page.locator(".focus .title b")).to_have_count(2)
+        expect(slowed).to_have_count(0)
+        robot.pictures = 0.1
+        expect(slowed).to_be_visible()
+        robot.pictures = 1.0
+        expect(slowed).to_have_count(0)
+
+
 def test_for_how_long_a_robot_is_offline_counts_on_while_nothing_is_heard_of_it(
     browser: Browser, router: MemoryRouter, robot: FakeRobot, other: FakeRobot, tmp_path: Path
 ) -> None:

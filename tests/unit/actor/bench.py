@@ -9,6 +9,7 @@ from services.actor.logbook import Logbook
 from services.actor.obey import Inbox
 from services.actor.observe import Observer
 from services.actor.record import Recorder
+from services.actor.throttle import Throttle
 from services.actor.understand import Listener
 from shared.clock import SystemClock
 from shared.messages.decision import Decision
@@ -70,7 +71,9 @@ class Bench:
             source=self.refresh,
             thinking=Lockstep(),
             recorder=self.recorder,
-            observer=Observer(self.bus, "lab", "robot-1", self.clock, FrameSettings(rate_hz=60)),
+            observer=Observer(
+                self.bus, "lab", "robot-1", self.clock, FrameSettings(rate_hz=60), Throttle()
+            ),
             inbox=Inbox(self.bus, "lab", "robot-1", threading.Event()),
             listener=Listener(self.bus, "lab", "robot-1", self.low_level),
             logbook=Logbook(self.folder / "robot-1.json"),

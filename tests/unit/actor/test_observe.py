@@ -7,6 +7,7 @@ import pytest
 
 from services.actor.config import FrameSettings
 from services.actor.observe import Observer
+from services.actor.throttle import Throttle
 from shared.clock import ManualClock
 from shared.messages.frame import Channel, Frame, Rate
 from shared.wire.codec import decode
@@ -24,7 +25,8 @@ class Watching:
     def __init__(self):
         self.bus, self.clock, self.robot = MemoryBus(), ManualClock(), CountingRobot()
         frames = FrameSettings(rate_hz=8.0, slow_hz=2.0)
-        self.observer = Observer(self.bus, "lab", "robot-1", self.clock, frames)
+        self.throttle = Throttle()
+        self.observer = Observer(self.bus, "lab", "robot-1", self.clock, frames, self.throttle)
         self.due, self.drawn, self.frames = [], [], {}
         snapshot, picture = self.robot.snapshot, self.robot.picture
         self.robot.snapshot = lambda: self.due.append(1) or snapshot()
@@ -62,6 +64,14 @@ def test_a_robot_that_is_only_in_view_is_drawn_a_quarter_as_often(watching):
     assert watching.turn(8) == 2
     watching.watch("angle", Rate.FULL)
     assert watching.turn(8) == 8
+
+
+@pytest.mark.parametrize(("rate", "of_32"), [(Rate.FULL, 32), (Rate.SLOW, 8)])
+def test_while_the_control_loop_needs_the_time_both_rates_are_slowed_alike(watching, rate, of_32):
+    watching.watch("angle", rate)
+    assert watching.turn(32) == of_32
+    watching.throttle.share = 0.5
+    assert watching.turn(32) == of_32 / 2
 
 
 def test_one_picture_does_for_both_rates_and_each_counts_its_own(watching):
