@@ -15,13 +15,14 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
+from deploy.system import find_browser
 from tests.integration.correction_api.browsing import launched
 from tests.integration.correction_api.processes import Cell
 from tests.integration.correction_api.visiting import visited
 
 YIELDING = """#!/bin/sh
 echo 19 > /proc/self/autogroup
-exec setpriv --bounding-set -sys_nice --inh-caps -sys_nice nice -n 19 chromium "$@"
+exec setpriv --bounding-set -sys_nice --inh-caps -sys_nice nice -n 19 {browser} "$@"
 """
 """Starts the browser so that it yields: it has a session of its own, so niceness is not enough."""
 SETTLE_S = 5.0
@@ -45,7 +46,7 @@ def main() -> None:
         actor = {f"frames__{name}": value for name, value in frames.items()}
         with Cell(Path(folder), options.robots, actor, options.apart) as cell:
             browser = Path(folder) / "browser"
-            browser.write_text(YIELDING)
+            browser.write_text(YIELDING.format(browser=find_browser()))
             browser.chmod(0o700)
             for again in range(options.times):
                 closed = _measure(cell, options.seconds)

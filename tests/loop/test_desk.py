@@ -15,6 +15,8 @@ from tests.integration.correction_api.visiting import visited
 from tests.loop.fleet import Fleet
 from tests.waves import length_s
 
+pytestmark = pytest.mark.alone
+
 SETS = (
     "actor.rollout.max_steps=1500",  # Half a minute: episodes end while the tests run.
     "actor.help.threshold=0.2",

@@ -29,13 +29,13 @@ def run(tmp_path_factory):
         *("--gate", str(GATE), "--port", str(free_port()), "--router-port", str(free_port())),
     ]
     environment = {**os.environ, "PYTHONWARNINGS": "default"}
-    done = subprocess.run(command, capture_output=True, text=True, env=environment, timeout=1500)
+    done = subprocess.run(command, capture_output=True, text=True, env=environment, timeout=3000)
     print(done.stdout[-4000:], done.stderr[-2000:])
     assert done.returncode == 0
     return done.stdout, json.loads(report.read_text()), folder
 
 
-@pytest.mark.timeout(1600)
+@pytest.mark.timeout(3100)
 def test_after_the_rounds_the_robots_do_better_than_chance_could_explain(run):
     _, report, _ = run
     base, last = report["versions"][0], report["versions"][-1]

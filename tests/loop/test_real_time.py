@@ -4,6 +4,8 @@ import pytest
 
 from tests.loop.fleet import Fleet
 
+pytestmark = pytest.mark.alone
+
 
 @pytest.fixture(scope="module")
 def fleet(tmp_path_factory):

@@ -7,6 +7,8 @@ import pytest
 
 from tests.loop.fleet import Fleet
 
+pytestmark = pytest.mark.alone
+
 QUICK = (
     "learner.round.corrections=15",
     "learner.round.after_s=0",

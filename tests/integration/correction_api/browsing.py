@@ -1,7 +1,6 @@
 """A browser on the page, as a person has it: it must not complain, nor ask anybody else."""
 
 import re
-import shutil
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -18,6 +17,7 @@ from playwright.sync_api import (
     sync_playwright,
 )
 
+from deploy.system import find_browser
 from tests.integration.correction_api.running import eventually
 
 FLAGS = [
@@ -48,17 +48,18 @@ TAKEN_WITHIN_S = 150.0
 @contextmanager
 def launched(path: Path | None = None) -> Iterator[Browser]:
     """Chromium, without a screen: Debian's, or what starts it at `path`."""
-    found = path or shutil.which("chromium")
-    assert found, "no chromium: apt-get install chromium"
     expect.set_options(timeout=PATIENCE_MS)
     with sync_playwright() as playwright:
-        browser = _launch(playwright, str(found))
+        browser = launch(playwright, path)
         yield browser
         browser.close()
 
 
-def _launch(playwright: Playwright, path: str) -> Browser:
-    return playwright.chromium.launch(executable_path=path, args=FLAGS)
+def launch(playwright: Playwright, path: Path | None = None, *flags: str) -> Browser:
+    """The same with flags of its own; whoever launches it closes it."""
+    found = path or find_browser()
+    assert found, "no browser: make setup SYSTEM=--browser"
+    return playwright.chromium.launch(executable_path=found, args=[*FLAGS, *flags])
 
 
 @contextmanager

@@ -140,7 +140,7 @@ def test_the_commands_of_a_long_episode_can_be_read_and_its_freeze_is_over(
             assert command.startswith(text.removesuffix("…"))
             assert len(text) >= min(len(command), 10)
         states = page.locator("tr[data-correction] .state")
-        last = DECISIONS * STEPS
+        last = world.long.steps
         expect(states).to_have_text([f"stood still at step {last}", f"heard at step {last}"])
         assert page.evaluate(SEGMENTS) == [
             [0, 30, "1.0"],

@@ -1,7 +1,6 @@
 """Speaking to the page in a real browser, whose microphone hears a recording."""
 
 import json
-import shutil
 import tempfile
 import time
 import wave as waves
@@ -16,12 +15,18 @@ from playwright.sync_api import Locator, Page, Route, expect, sync_playwright
 from services.correction_api.routes.speech import MEDIA_TYPE
 from shared.messages.correction import Kind
 from shared.wire.memory import MemoryBus, MemoryRouter
-from tests.integration.correction_api.browsing import FLAGS, line
+from tests.integration.correction_api.browsing import launch, line
 from tests.integration.correction_api.fakes import COMMANDS, FakeRobot
 from tests.integration.correction_api.running import eventually, running
 from tests.waves import length_s, pcm
 
 ALLOW = "--use-fake-ui-for-media-stream"
+REFUSED = """
+() => void (navigator.mediaDevices.getUserMedia = async () => {
+  throw new DOMException("", "NotAllowedError");
+})
+"""
+"""As where a person said no; a browser without a window can't ask anybody."""
 LEAD_S = 3.0
 """Silence before the words: the recording runs from when the microphone is opened on."""
 PATIENCE_S = 150.0
@@ -33,14 +38,11 @@ def microphone(url: str, wave: str, *flags: str, **options: Any) -> Iterator[Pag
 
     options: of the browser's context, such as `viewport`.
     """
-    path = shutil.which("chromium")
-    assert path, "no chromium: apt-get install chromium"
     expect.set_options(timeout=60_000)  # For machines that are busy with something else.
     complaints = list[str]()
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
         sound = f"--use-file-for-fake-audio-capture={_recorded(Path(folder), wave)}%noloop"
-        args = [*FLAGS, "--use-fake-device-for-media-stream", sound, *flags]
-        browser = playwright.chromium.launch(executable_path=path, args=args)
+        browser = launch(playwright, None, "--use-fake-device-for-media-stream", sound, *flags)
         page = browser.new_page(**options)
         page.on("pageerror", lambda error: complaints.append(str(error)))
         page.goto(url)
@@ -244,6 +246,7 @@ def test_a_page_that_gets_no_microphone_says_why_and_what_to_do(
 def test_a_microphone_that_is_not_allowed_is_told(api: httpx.Client, robot: FakeRobot) -> None:
     with microphone(str(api.base_url), "cheese") as page:
         _card(page, robot)
+        page.evaluate(REFUSED)
         page.keyboard.down(" ")
         expect(line(page)).to_contain_text("not allowed for this page")
         page.keyboard.up(" ")
