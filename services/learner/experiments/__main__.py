@@ -5,6 +5,7 @@ import shlex
 import sys
 from contextlib import closing
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Optional
 
@@ -109,7 +110,10 @@ def main(
     try:
         with closing(Bars(console)) as bars, Pool(processes) as pool:
             size = Scale(scale)
-            bench = Bench(out, pool, bars, wanted, size, site, learned, low_level, baselines)
+            publish = partial(report.write, out, about=about)
+            bench = Bench(
+                out, pool, bars, wanted, size, site, learned, low_level, baselines, publish
+            )
             findings = experiment.run(bench)
     except KeyboardInterrupt:
         console.print(f"stopped; the same command goes on in {out}", markup=False)

@@ -6,6 +6,7 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Protocol, TypeVar
 
+from services.learner.experiments.findings import Findings
 from shared.evaluation.attempts import Row
 from shared.evaluation.episode import Evaluator
 from shared.evaluation.evaluate import evaluate
@@ -44,6 +45,7 @@ class Bench:
     seeds: from A up to B, as in `Plan`; the scenes of each cell of a table.
     high_level: the learned one, as `Plan` takes it. low_level: checkpoint folder, as there.
     baselines: folder of a run of the baselines, where there is one to be compared with.
+    publish: takes what was found so far, where a part of it makes a report already.
     """
 
     out: Path
@@ -55,6 +57,7 @@ class Bench:
     high_level: str = "base"
     low_level: str = ""
     baselines: Path | None = None
+    publish: Callable[[Findings], None] = lambda _: None
 
     @property
     def small(self) -> bool:

@@ -13,6 +13,12 @@ def run(bench: Bench) -> Findings:
 
 
 def compare(bench: Bench, settings: DaggerSettings) -> Findings:
-    """The same of any settings."""
+    """The same of any settings; published after each training seed but the last."""
+    for seeds in range(1, settings.seeds):
+        bench.publish(_found(bench, settings.model_copy(update={"seeds": seeds})))
+    return _found(bench, settings)
+
+
+def _found(bench: Bench, settings: DaggerSettings) -> Findings:
     tried = Run(bench, teaching_of(bench, settings)).go()
     return findings(settings, tried, bench.site)
