@@ -6,7 +6,8 @@ import { html } from "./html.js";
 import { Aloud } from "./line.js";
 import { Outcome } from "./moment.js";
 import { when } from "./shell.js";
-import { GLYPHS, Timeline } from "./timeline.js";
+import { GLYPHS } from "./timeline.js";
+import { Zoom } from "./zoom.js";
 
 export const Anatomy = (episode) => html`
   <section class="panel" aria-label="Anatomy of the rollout">
@@ -102,7 +103,7 @@ function Drawn({ episode }) {
     </div>
     ${decisions.length
       ? html`
-          <${Timeline} episode=${episode} />
+          <${Zoom} episode=${episode} />
           <p class="small">
             Hatched ✎: a person's word. Hollow: π_HL would rather, and it is not in force. In the row
             of doubt, ?: the robot called for help.

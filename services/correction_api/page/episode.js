@@ -10,7 +10,7 @@ import { PlayerKeys, singleKeys } from "./playerkeys.js";
 import { Relabel, takeBack } from "./relabel.js";
 import { SaidTable } from "./saidtable.js";
 import { every, Notice, page } from "./shell.js";
-import { Timeline } from "./timeline.js";
+import { Zoom } from "./zoom.js";
 
 const ID = new URLSearchParams(location.search).get("id") ?? "";
 const MS_A_STEP = 1000 / STEPS_A_SECOND;
@@ -33,6 +33,7 @@ const state = {
 };
 let account = null;
 let decisions = [];
+let zoom = null; // the window over the timeline
 
 const touch = page("episodes.html", view, async () => {
   await load();
@@ -73,13 +74,15 @@ async function loadBank() {
 
 // -- moving about
 
+/** Where somebody points: they see it. */
 function seekStep(step) {
-  const index = decisions.findLastIndex((one) => one.step <= step);
-  seek(Math.max(0, index));
+  state.cursor = Math.max(0, decisions.findLastIndex((one) => one.step <= step));
+  touch();
 }
 
 function seek(index) {
   state.cursor = Math.min(Math.max(0, index), Math.max(0, decisions.length - 1));
+  zoom?.show(decisions[state.cursor]?.step ?? 0);
   touch();
 }
 
@@ -141,6 +144,9 @@ const ACTS = {
   "player-play": play,
   "player-begin": () => bound(false),
   "player-end": () => bound(true),
+  "player-closer": () => zoom?.by(2),
+  "player-farther": () => zoom?.by(0.5),
+  "player-whole": () => zoom?.by(0),
 };
 
 /** Keys that write nothing, and stay what they are. */
@@ -200,10 +206,13 @@ function view() {
         The learner is away, so there are no decisions and pictures: ${state.away}
       <//>`}
       <section class="panel stage" aria-label="Player">
-        <${Timeline}
-          ...${{ episode, cursor: state.cursor, span: state.span, seek: seekStep, select }}
-        />
-        <${Controls} />
+        <${Zoom}
+          hold=${(shown) => (zoom = shown)}
+          ...${{ episode, cursor: state.cursor, span: state.span, dragging: state.dragging }}
+          ...${{ seek: seekStep, select }}
+        >
+          <${Controls} />
+        <//>
       </section>
       <div class=${state.span && !state.dragging ? "judging" : "looking"}>
         ${at && html`<${Moment} name=${ID} ...${{ episode, at }} />`}
@@ -236,32 +245,30 @@ function reveal(form) {
 
 function Controls() {
   return html`
-    <div class="controls">
-      <button onClick=${ACTS["player-back"]} aria-label="Step back">
-        <${Kbd} name="player-back" /> back
-      </button>
-      <button onClick=${play} aria-pressed=${state.playing}>
-        <${Kbd} name="player-play" /> ${state.playing ? "pause" : "play"}
-      </button>
-      <button onClick=${ACTS["player-on"]} aria-label="Step on">
-        <${Kbd} name="player-on" /> on
-      </button>
-      <label class="small">
-        speed${" "}
-        <select onChange=${(event) => (state.speed = Number(event.target.value))}>
-          ${[1, 2, 4, 8].map(
-            (one) => html`<option value=${one} selected=${one === state.speed}>${one} ×</option>`,
-          )}
-        </select>
-      </label>
-      <button onClick=${ACTS["player-begin"]}><${Kbd} name="player-begin" /> begin here</button>
-      <button onClick=${ACTS["player-end"]}><${Kbd} name="player-end" /> end here</button>
-      <p class="small">
-        ${state.begin !== null && !state.span
-          ? `a stretch begins at step ${state.begin}; ${shown(keyOf("player-end"))} ends it`
-          : "Drag over the timeline to say what a stretch should have been."}
-      </p>
-      <${PlayerKeys} touch=${touch} />
-    </div>
+    <button onClick=${ACTS["player-back"]} aria-label="Step back">
+      <${Kbd} name="player-back" /> back
+    </button>
+    <button onClick=${play} aria-pressed=${state.playing}>
+      <${Kbd} name="player-play" /> ${state.playing ? "pause" : "play"}
+    </button>
+    <button onClick=${ACTS["player-on"]} aria-label="Step on">
+      <${Kbd} name="player-on" /> on
+    </button>
+    <label class="small">
+      speed${" "}
+      <select onChange=${(event) => (state.speed = Number(event.target.value))}>
+        ${[1, 2, 4, 8].map(
+          (one) => html`<option value=${one} selected=${one === state.speed}>${one} ×</option>`,
+        )}
+      </select>
+    </label>
+    <button onClick=${ACTS["player-begin"]}><${Kbd} name="player-begin" /> begin here</button>
+    <button onClick=${ACTS["player-end"]}><${Kbd} name="player-end" /> end here</button>
+    <p class="small">
+      ${state.begin !== null && !state.span
+        ? `a stretch begins at step ${state.begin}; ${shown(keyOf("player-end"))} ends it`
+        : "Drag over the timeline to say what a stretch should have been."}
+    </p>
+    <${PlayerKeys} touch=${touch} />
   `;
 }

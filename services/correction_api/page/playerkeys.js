@@ -9,6 +9,9 @@ const LABELS = {
   "player-play": "Play or pause",
   "player-begin": "A stretch begins here",
   "player-end": "A stretch ends here",
+  "player-closer": "Zoom in",
+  "player-farther": "Zoom out",
+  "player-whole": "The whole timeline",
 };
 
 const WAITS = "press a key …"; // Seen and heard alike.
@@ -26,6 +29,9 @@ useKeys({
   "player-play": " ",
   "player-begin": "[",
   "player-end": "]",
+  "player-closer": "+",
+  "player-farther": "-",
+  "player-whole": "0",
 });
 document.addEventListener("keydown", take, true);
 

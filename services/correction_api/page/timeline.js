@@ -1,5 +1,5 @@
 // The timeline of an episode: rows over control steps, a cursor, and a stretch that one drags; or,
-// without `seek` and `select`, a picture of it.
+// without `seek` and `select`, a picture of it. It is `width` px wide, of which [from, to] can be `seen`.
 import { isPolicy, STEPS_A_SECOND } from "./account.js";
 import { Component, html } from "./html.js";
 import { still } from "./stills.js";
@@ -8,6 +8,7 @@ import { called } from "./words.js";
 const DRAG_PX = 5;
 const LABEL = 15;
 const LEAST = 5; // Fewer signs say nothing.
+const PICTURE = 48; // as wide as one is drawn, px
 const INSET = 5; // From the edge of what is drawn to its text, px.
 export const GLYPHS = {
   start: "S",
@@ -40,20 +41,6 @@ function rowTops() {
 }
 
 export class Timeline extends Component {
-  state = { width: 800 };
-
-  componentDidMount() {
-    this.eye = new ResizeObserver(([entry]) => {
-      const width = Math.round(entry.contentRect.width);
-      if (width !== this.state.width) this.setState({ width });
-    });
-    this.eye.observe(this.box);
-  }
-
-  componentWillUnmount() {
-    this.eye.disconnect();
-  }
-
   stepAt(event) {
     const { left, width } = this.svg.getBoundingClientRect();
     const share = Math.min(1, Math.max(0, (event.clientX - left) / width));
@@ -61,23 +48,31 @@ export class Timeline extends Component {
   }
 
   down = (event) => {
+    if (!event.isPrimary) return this.drop(); // Two fingers zoom.
     if (event.button || !this.props.seek) return;
-    this.from = { x: event.clientX, step: this.stepAt(event) };
+    this.from = { x: event.clientX, step: this.stepAt(event), before: this.props.span, dragged: false };
     this.svg.setPointerCapture(event.pointerId);
   };
 
   move = (event) => {
-    if (!this.from || Math.abs(event.clientX - this.from.x) < DRAG_PX) return;
+    if (!this.from) return;
+    this.from.dragged ||= Math.abs(event.clientX - this.from.x) >= DRAG_PX;
+    if (!this.from.dragged) return;
     const ends = [this.from.step, this.stepAt(event)].sort((one, other) => one - other);
     if (ends[1] > ends[0]) this.props.select(ends, true);
   };
 
   up = (event) => {
     if (!this.from) return;
-    const dragged = Math.abs(event.clientX - this.from.x) >= DRAG_PX;
-    this.from = null;
-    if (dragged) this.props.select(this.props.span, false);
+    if (this.from.dragged) this.props.select(this.props.span, false);
     else this.props.seek(this.stepAt(event));
+    this.from = null;
+  };
+
+  /** It was no drag: the stretch is as it was before. */
+  drop = () => {
+    if (this.from?.dragged) this.props.select(this.from.before, false);
+    this.from = null;
   };
 
   /** What it is for a screen reader: a slider that goes by keys, or a picture. */
@@ -98,35 +93,38 @@ export class Timeline extends Component {
     };
   }
 
-  render({ episode, cursor, span }, { width }) {
+  render({ episode, cursor, span, width, seen }) {
     const { decisions, steps } = episode;
     const x = (step) => (step / Math.max(1, steps)) * width;
     const at = decisions[cursor];
+    const drawn = { viewBox: `0 0 ${width} ${TOP.end}`, height: TOP.end };
     return html`
-      <div class="timeline" ref=${(box) => (this.box = box)} ...${this.role()}>
+      <div class="timeline" ...${this.role()}>
+        <svg ...${drawn}><${Axis} ...${{ steps, x, width }} /></svg>
+        <svg class="names" height=${TOP.end}>
+          ${ROWS.map(
+            ([name, text]) => html`<text class="row" x="0" y=${TOP[name] - 4}>${text}</text>`,
+          )}
+        </svg>
         <svg
+          class="rows"
+          ...${drawn}
           ref=${(svg) => (this.svg = svg)}
-          viewBox=${`0 0 ${width} ${TOP.end}`}
-          height=${TOP.end}
           onPointerDown=${this.down}
           onPointerMove=${this.move}
           onPointerUp=${this.up}
-          onPointerCancel=${() => (this.from = null)}
+          onPointerCancel=${this.drop}
         >
           <defs>
             <pattern id="hatch" width="6" height="6" patternUnits="userSpaceOnUse">
               <path class="hatch" d="M0 6 6 0" />
             </pattern>
           </defs>
-          <${Axis} ...${{ steps, x, width }} />
-          ${ROWS.map(
-            ([name, text]) => html`<text class="row" x="0" y=${TOP[name] - 4}>${text}</text>`,
-          )}
-          <${Commands} ...${{ episode, x }} />
+          <${Commands} ...${{ episode, x, seen }} />
           <${Proposals} ...${{ decisions, steps, x }} />
           <${Doubt} ...${{ decisions, calls: episode.account.calls, steps, x }} />
-          <${Said} ...${{ said: episode.said, x }} />
-          <${Strip} ...${{ episode, width }} />
+          <${Said} ...${{ said: episode.said, x, seen }} />
+          <${Strip} ...${{ episode, x, width, seen }} />
           ${span &&
           html`<rect class="span" x=${x(span[0])} y="18" width=${x(span[1]) - x(span[0])}
             height=${TOP.end - 20} />`}
@@ -140,19 +138,19 @@ export class Timeline extends Component {
 function Axis({ steps, x, width }) {
   const seconds = steps / STEPS_A_SECOND;
   const wanted = Math.max(2, Math.floor(width / 90));
-  const gap = [1, 2, 5, 10, 20, 30, 60, 120].find((one) => seconds / one <= wanted) ?? 300;
+  const gap = [0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120].find((one) => seconds / one <= wanted) ?? 300;
   const marks = Array.from({ length: Math.floor(seconds / gap) + 1 }, (_, at) => at * gap);
   return marks.map((second) => {
     const place = x(second * STEPS_A_SECOND);
     const anchor = place > width - 24 ? "end" : place ? "middle" : "start";
     return html`
       <path class="grid" d=${`M${place} 16V${TOP.end}`} />
-      <text class="axis" x=${place} y="11" text-anchor=${anchor}>${second} s</text>
+      <text class="axis" x=${place} y="11" text-anchor=${anchor}>${Number(second.toFixed(1))} s</text>
     `;
   });
 }
 
-function Commands({ episode, x }) {
+function Commands({ episode, x, seen }) {
   return episode.segments.map(({ from, to, text, by }, at) => {
     const person = !isPolicy(by);
     const wide = Math.max(0, x(to) - x(from) - 1);
@@ -162,10 +160,16 @@ function Commands({ episode, x }) {
         <title>${text}, steps ${from} to ${to}, chosen by ${person ? "a person" : by}</title>
         <rect width="100%" height="100%" />
         ${person && html`<rect class="hatched" width="100%" height="100%" />`}
-        <text x=${INSET} y="19">${fitted(person ? `✎ ${text}` : text, wide)}</text>
+        <${Words} ...${{ text: person ? `✎ ${text}` : text, wide, y: 19, hidden: seen[0] - x(from) }} />
       </svg>
     `;
   });
+}
+
+/** hidden: so much of the stretch lies before what is seen, px. */
+function Words({ text, wide, y, hidden }) {
+  const past = Math.max(0, hidden);
+  return html`<text x=${past + INSET} y=${y}>${fitted(text, wide - past)}</text>`;
 }
 
 const pen = document.createElement("canvas").getContext("2d"); // It knows how wide words are.
@@ -219,7 +223,7 @@ function Doubt({ decisions, calls, steps, x }) {
 
 const LIVE = ["override", "release", "pause", "resume"];
 
-function Said({ said, x }) {
+function Said({ said, x, seen }) {
   const y = TOP.said + 12;
   return said.map((one) => {
     const name = `${called(one.kind)} ${one.text ?? ""}: ${one.state}`;
@@ -231,7 +235,7 @@ function Said({ said, x }) {
           class=${`window ${one.retracted ? "gone" : ""}`} data-said=${one.view.correction.id}>
           <title>${name}</title>
           <rect width="100%" height="100%" rx="3" />
-          <text x=${INSET} y="15">${fitted(one.text ?? "the hand slipped", wide)}</text>
+          <${Words} text=${one.text ?? "the hand slipped"} ...${{ wide, y: 15, hidden: seen[0] - from }} />
         </svg>
       `;
     }
@@ -249,32 +253,30 @@ function Said({ said, x }) {
   });
 }
 
-/** A few pictures along the way; each is asked for once. */
-class Strip extends Component {
-  state = { urls: {} };
+/** Pictures where their decisions are, as many as there is room for. */
+function Strip({ episode: { account, decisions }, x, width, seen }) {
+  let free = 0;
+  const placed = decisions.filter(({ step }) => {
+    const fits = x(step) >= free && x(step) + PICTURE <= width;
+    if (fits) free = x(step) + PICTURE + 2;
+    return fits;
+  });
+  return placed
+    .filter(({ step }) => x(step) + 2 * PICTURE > seen[0] && x(step) - PICTURE < seen[1])
+    .map(({ id, step }) => html`<${Picture} key=${id} episode=${account.id} decision=${id} x=${x(step)} />`);
+}
 
-  async look(decision) {
-    if (decision.id in this.state.urls) return;
-    this.state.urls[decision.id] = null;
-    const { account } = this.props.episode;
-    this.state.urls[decision.id] = await still(account.id, decision.id, "angle");
-    this.setState({});
+/** It is asked for when it can be seen. */
+class Picture extends Component {
+  async componentDidMount() {
+    this.setState({ url: await still(this.props.episode, this.props.decision, "angle") });
   }
 
-  render({ episode: { decisions }, width }) {
-    const count = Math.min(decisions.length, Math.floor(width / 50));
-    const shown = Array.from({ length: count }, (_, at) => {
-      const middle = ((at + 0.5) / count) * this.props.episode.steps;
-      return decisions.findLast(({ step }) => step <= middle) ?? decisions[0];
-    });
-    return shown.map((decision, at) => {
-      this.look(decision);
-      const url = this.state.urls[decision.id];
-      return (
-        url &&
-        html`<image href=${url} x=${(at * width) / count} y=${TOP.pictures}
-          width=${width / count - 2} height="44" preserveAspectRatio="xMidYMid slice" />`
-      );
-    });
+  render({ x }, { url }) {
+    return (
+      url &&
+      html`<image href=${url} x=${x} y=${TOP.pictures} width=${PICTURE} height="44"
+        preserveAspectRatio="xMidYMid slice" />`
+    );
   }
 }

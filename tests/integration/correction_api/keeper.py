@@ -1,6 +1,6 @@
 """What a learner keeps and tells, without the learner: its real store, collector and teller."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
 from typing import Any
@@ -26,8 +26,8 @@ TRIALS = {
     "in_force": {"success": 0.52, "n": 200, "interval": [0.45, 0.59]},
     "p": 0.0002,
 }
-
-
+STEPS = 20
+"""Of a decision."""
 UNJUDGED = "held out 3 labels, needs 20: not judged"
 
 
@@ -47,13 +47,23 @@ def attempt(
     api: httpx.Client, robot: FakeRobot, outcome: Outcome = Outcome.SUCCESS, decisions: int = 3
 ) -> Episode:
     """An episode whose decisions the learner has, and the API knows to be over."""
-    for _ in range(decisions):
+    decide(robot, [robot.command] * decisions)
+    return over(api, robot.end(outcome))
+
+
+def decide(robot: FakeRobot, commands: Iterable[str]) -> None:
+    """Decisions that the learner keeps, each with its command in force for 20 steps."""
+    for command in commands:
+        robot.command = command
         decision = robot.decide()
-        robot.bus.ask(robot_key(FLEET, robot.name, "decision"), encode(decision), timeout_s=5)
-        robot.step += 20
-    over = robot.end(outcome)
-    eventually(lambda: api.get(f"api/v1/episodes/{over.id}").json().get("episode"))
-    return over
+        robot.bus.ask(robot_key(FLEET, robot.name, "decision"), encode(decision), timeout_s=60)
+        robot.step += STEPS
+
+
+def over(api: httpx.Client, episode: Episode) -> Episode:
+    """The episode, as soon as the API knows that it is over."""
+    eventually(lambda: api.get(f"api/v1/episodes/{episode.id}").json().get("episode"))
+    return episode
 
 
 @contextmanager

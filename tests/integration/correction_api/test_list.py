@@ -10,15 +10,12 @@ from playwright.sync_api import Browser, Page, Route, expect
 
 from shared.messages.episode import Episode, Outcome
 from shared.messages.policy import Version
-from shared.wire.codec import encode
-from shared.wire.keys import robot_key
 from tests.integration.correction_api.browsing import DESK, PHONE, opened
-from tests.integration.correction_api.fakes import COMMANDS, FLEET, FakeRobot
-from tests.integration.correction_api.keeper import kept
-from tests.integration.correction_api.running import eventually
+from tests.integration.correction_api.fakes import COMMANDS
+from tests.integration.correction_api.keeper import decide, kept, over
 
-DECISIONS, HOLDS, STEPS = 150, 15, 20
-"""Of an episode of 60 s: each command holds for so many decisions, each of so many steps."""
+DECISIONS, HOLDS = 150, 15
+"""Of an episode of 60 s: each command holds for so many decisions."""
 SEGMENTS = """
 async () => {
   const { segments } = await import("./account.js");
@@ -60,32 +57,17 @@ class World(NamedTuple):
 @pytest.fixture(scope="module")
 def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
     with kept(tmp_path_factory.mktemp("world")) as (api, robot):
-        decide(robot, 3)
+        decide(robot, COMMANDS[:1] * 3)
         quiet = over(api, robot.end(corrections=0))
         robot.version = Version(1, 1)
-        decide(robot, 3)
+        decide(robot, COMMANDS[:1] * 3)
         corrected = over(api, robot.end(Outcome.TIMEOUT))
         robot.deaf = True  # Its steps go on by its decisions alone.
-        decide(robot, DECISIONS)
+        decide(robot, (COMMANDS[at // HOLDS % len(COMMANDS)] for at in range(DECISIONS)))
         for kind in ("pause", "resume"):
             told = {"kind": kind, "episode": robot.episode}
             api.post("api/v1/robots/robot-1/corrections", json=told).raise_for_status()
         yield World(api, quiet, corrected, over(api, robot.end(corrections=0)))
-
-
-def decide(robot: FakeRobot, count: int) -> None:
-    """Decisions that the learner keeps."""
-    for at in range(count):
-        robot.command = COMMANDS[at // HOLDS % len(COMMANDS)]
-        decision = robot.decide()
-        robot.bus.ask(robot_key(FLEET, robot.name, "decision"), encode(decision), timeout_s=60)
-        robot.step += STEPS
-
-
-def over(api: httpx.Client, episode: Episode) -> Episode:
-    """The episode, as soon as the API knows that it is over."""
-    eventually(lambda: api.get(f"api/v1/episodes/{episode.id}").json().get("episode"))
-    return episode
 
 
 def fits(page: Page, size: tuple[int, int]) -> bool:

@@ -2,14 +2,14 @@
 
 import httpx
 import pytest
-from playwright.sync_api import Locator, Page, expect
+from playwright.sync_api import Page, expect
 
 from shared.messages.correction import Kind
 from tests.integration.correction_api.browsing import PHONE, SIDEWAYS
 from tests.integration.correction_api.fakes import COMMANDS, FakeRobot
 from tests.integration.correction_api.running import eventually
 from tests.integration.correction_api.test_speaking import ALLOW, differ, microphone
-from tests.integration.correction_api.visiting import FINGERS
+from tests.integration.correction_api.visiting import FINGERS, Fingers, middle
 
 TAP_S = 0.25
 """A finger that stays for less says nothing (`speak.js`)."""
@@ -30,25 +30,6 @@ def boxes(page: Page, shown: str) -> list[list[float]]:
     return list(page.wait_for_function(BOXES, arg=shown).json_value())
 
 
-class Finger:
-    """One finger on the glass, as the browser gets it from a screen."""
-
-    def __init__(self, page: Page) -> None:
-        self._glass = page.context.new_cdp_session(page)
-
-    def press(self, button: Locator) -> None:
-        box = button.bounding_box()
-        assert box
-        middle = {"x": box["x"] + box["width"] / 2, "y": box["y"] + box["height"] / 2}
-        self._touch("touchStart", [middle])
-
-    def lift(self) -> None:
-        self._touch("touchEnd", [])
-
-    def _touch(self, what: str, points: list[dict[str, float]]) -> None:
-        self._glass.send("Input.dispatchTouchEvent", {"type": what, "touchPoints": points})
-
-
 @pytest.mark.parametrize("size", [PHONE, SIDEWAYS], ids=["upright", "sideways"])
 def test_a_finger_that_holds_the_button_speaks_and_no_button_moves_until_all_is_done(
     api: httpx.Client, robot: FakeRobot, size: tuple[int, int]
@@ -58,9 +39,9 @@ def test_a_finger_that_holds_the_button_speaks_and_no_button_moves_until_all_is_
     with microphone(str(api.base_url), "plate", ALLOW, **phone) as page:
         page.route("**/api/v1/speech*", differ)
         expect(page.locator("canvas.drawn")).to_have_count(2)
-        finger = Finger(page)
+        finger = Fingers(page)
         stands = [boxes(page, ".speak.idle .talk:enabled")]
-        finger.press(page.get_by_role("button", name="Hold and talk"))
+        finger.press(middle(page.get_by_role("button", name="Hold and talk")))
         stands.append(boxes(page, ".speak.listening .heard"))
         page.wait_for_timeout(2000 * TAP_S)
         finger.lift()

@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from typing import Any
 from urllib.parse import urlsplit
 
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import Browser, Locator, Page
 
 from tests.integration.correction_api.browsing import DESK, PATIENCE_MS
 
@@ -48,3 +48,30 @@ def visited(
     if not outage:
         folder = urlsplit(url).path.rpartition("/")[0]
         assert all(urlsplit(one).path.startswith(f"{folder}/") for one in asked)
+
+
+class Fingers:
+    """On the glass, as the browser gets them from a screen; each is at a place of the page, px."""
+
+    def __init__(self, page: Page) -> None:
+        self._glass = page.context.new_cdp_session(page)
+
+    def press(self, *places: tuple[float, float]) -> None:
+        self._touch("touchStart", places)
+
+    def move(self, *places: tuple[float, float]) -> None:
+        self._touch("touchMove", places)
+
+    def lift(self) -> None:
+        self._touch("touchEnd", ())
+
+    def _touch(self, what: str, places: tuple[tuple[float, float], ...]) -> None:
+        points = [{"x": x, "y": y, "id": at} for at, (x, y) in enumerate(places)]
+        self._glass.send("Input.dispatchTouchEvent", {"type": what, "touchPoints": points})
+
+
+def middle(element: Locator) -> tuple[float, float]:
+    """Of an element, where a finger meets it."""
+    box = element.bounding_box()
+    assert box
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
