@@ -32,7 +32,7 @@ test: setup lint
 ifdef ARGS
 	$(PYTEST) $(ARGS)
 else
-	$(PYTEST) --numprocesses 4 --dist loadfile -m "not alone"
+	$(PYTEST) --numprocesses 3 --dist loadfile -m "not alone"
 	$(PYTEST) -m alone tests/loop
 endif
 

@@ -13,6 +13,7 @@ from shared.messages.policy import Version
 from tests.integration.correction_api.browsing import DESK, PHONE, opened
 from tests.integration.correction_api.fakes import COMMANDS
 from tests.integration.correction_api.keeper import decide, kept, over
+from tests.integration.correction_api.running import eventually
 
 DECISIONS, HOLDS = 150, 15
 """Of an episode of 60 s: each command holds for so many decisions."""
@@ -66,7 +67,9 @@ def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
         decide(robot, (COMMANDS[at // HOLDS % len(COMMANDS)] for at in range(DECISIONS)))
         for kind in ("pause", "resume"):
             told = {"kind": kind, "episode": robot.episode}
-            api.post("api/v1/robots/robot-1/corrections", json=told).raise_for_status()
+            said = api.post("api/v1/robots/robot-1/corrections", json=told).raise_for_status()
+            path = f"api/v1/corrections/{said.json()['correction']['id']}"
+            eventually(lambda path=path: api.get(path).json()["receipt"])
         yield World(api, quiet, corrected, over(api, robot.end(corrections=0)))
 
 

@@ -6,6 +6,7 @@ import httpx
 import numpy as np
 import pytest
 
+from services.correction_api.lexicon import Lexicon
 from shared.wire.memory import MemoryBus, MemoryRouter
 from tests.integration.correction_api.fakes import COMMANDS, FakeRobot
 from tests.integration.correction_api.running import eventually, running
@@ -50,8 +51,9 @@ def test_silence_and_noise_are_no_command(api: httpx.Client) -> None:
 
 
 def test_one_robots_commands_are_not_listened_for_at_another(
-    api: httpx.Client, router: MemoryRouter
+    api: httpx.Client, router: MemoryRouter, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(Lexicon, "commands", lambda _: ())  # As before a low level told its own.
     with MemoryBus(router) as bus:
         other = FakeRobot(bus, "robot-2")
         eventually(lambda: api.get("api/v1/robots/robot-2").status_code == 200)

@@ -61,8 +61,11 @@ class Child:
         return self
 
     def signal(self, number: signal.Signals) -> None:
+        """SIGSTOP: it stands still when this returns."""
         assert self._process
         self._process.send_signal(number)
+        if number == signal.SIGSTOP:
+            os.waitid(os.P_PID, self._process.pid, os.WSTOPPED | os.WNOWAIT)
 
     def kill(self) -> None:
         """As a power cut: no time for anything."""
