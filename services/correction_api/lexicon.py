@@ -16,7 +16,7 @@ from shared.wire.bus import Bus
 from shared.wire.codec import decode, encode
 from shared.wire.keys import robot_key
 
-ASK_S = 1.5
+ASK_S = 3.0  # On a busy machine robots read phrases when they have the time.
 ASKED = 3
 """So many robots are asked until one answers."""
 LOOK_S = 0.5

@@ -22,10 +22,13 @@ let field = null;
 let palette = null;
 const drafts = {}; // by robot: what was typed and not said yet
 
-/** Put the keyboard into the field, and what was typed so far; the person begins to say something. */
+/** Put the keyboard into the field, and what was typed so far; the person begins to say something.
+ *  A draft from before gives way to the first letter: a click goes on with it. */
 export function openPalette(typed = "") {
+  const entered = document.activeElement !== field;
   field?.focus();
-  if (typed) palette?.type(palette.state.text + typed);
+  if (entered) palette?.anew();
+  if (typed) palette?.type((entered ? "" : palette.state.text) + typed);
 }
 
 export function closePalette() {
@@ -159,8 +162,15 @@ export class Palette extends Component {
     }
   }
 
+  /** What comes now is another phrase than the draft, if there is one. */
+  anew() {
+    this.fresh = true;
+    field?.select();
+  }
+
   type(text) {
-    const begun = this.state.text ? this.state.begun : Date.now();
+    const begun = this.state.text && !this.fresh ? this.state.begun : Date.now();
+    this.fresh = false;
     this.setState({ text, at: text.trim() ? 0 : -1, begun, open: true });
     clearTimeout(this.pause);
     if (text.trim()) this.pause = setTimeout(() => this.read(text.trim()), PAUSE_MS);

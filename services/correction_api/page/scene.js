@@ -1,14 +1,15 @@
 // What a robot could not do in its scene, as it says itself: proposals that would only earn a
-// refusal get no key. The scene stays the same within an episode, so each phrase is asked about once.
+// refusal get no key. The scene stays the same within an episode, so each phrase is asked about once;
+// one after the other, so that what a person asks meanwhile is soon answered.
 import { get } from "./api.js";
 
-const scenes = {}; // by robot: {episode, asked, refused}, both sets of phrases
+const scenes = {}; // by robot: {episode, asked, refused, busy}: two sets of phrases
 const commands = {}; // by robot: those that it said last that it could do
 
 /** What it could not do, as far as that is known. */
 export function refused({ robot, episode }) {
   if (scenes[robot]?.episode !== episode) {
-    scenes[robot] = { episode, asked: new Set(), refused: new Set() };
+    scenes[robot] = { episode, asked: new Set(), refused: new Set(), busy: false };
   }
   return scenes[robot].refused;
 }
@@ -22,16 +23,22 @@ export async function inquire(view, found) {
   const scene = scenes[view.robot];
   const proposed = view.decision.proposed.map(({ goal }) => goal.text);
   const texts = proposed.filter((text) => !scene.asked.has(text));
-  if (!texts.length) return;
-  for (const text of texts) scene.asked.add(text);
+  if (!texts.length || scene.busy) return;
+  scene.busy = true;
   try {
     const doubtful = await unlisted(view.robot, texts);
-    const answers = await Promise.all(doubtful.map((text) => get(question(view.robot, text))));
-    const bad = doubtful.filter((_, at) => answers[at].refused);
-    for (const text of bad) scene.refused.add(text);
-    if (bad.length) found();
+    for (const text of texts) if (!doubtful.includes(text)) scene.asked.add(text);
+    for (const text of doubtful) {
+      const answer = await get(question(view.robot, text));
+      scene.asked.add(text);
+      if (!answer.refused) continue;
+      scene.refused.add(text);
+      found();
+    }
   } catch {
-    for (const text of texts) scene.asked.delete(text); // The next decision asks again.
+    // The next decision asks again about what was not answered.
+  } finally {
+    scene.busy = false;
   }
 }
 

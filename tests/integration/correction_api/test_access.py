@@ -215,6 +215,7 @@ def test_nothing_moves_for_who_wants_no_motion(browser: Browser, cell: Cell) -> 
 
 def test_a_phone_in_the_hand_is_enough_to_correct(browser: Browser, cell: Cell) -> None:
     with visited(browser, cell.url, PHONE, **FINGERS) as page:
+        expect(page.get_by_role("status")).to_have_count(1)  # There before anything is read out.
         at_work(page)
         assert page.evaluate("document.documentElement.scrollWidth") <= PHONE[0]
         words = take_proposal(page, Locator.tap)

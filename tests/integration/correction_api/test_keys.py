@@ -170,6 +170,39 @@ def test_another_robot_comes_into_focus_when_the_one_from_before_is_gone(page: P
     expect(focused(page)).to_have_text("robot-1")
 
 
+def test_a_phrase_that_esc_broke_off_gives_way_to_the_next_one(
+    page: Page, robot: FakeRobot
+) -> None:
+    field = page.locator("input[name=words]")
+    page.keyboard.type("pick up the ham")
+    page.keyboard.press("Escape")
+    eventually(lambda: robot.kinds() == [Kind.PAUSE])
+    page.keyboard.press("Control+z")
+    eventually(lambda: robot.kinds() == [Kind.PAUSE, Kind.RESUME])
+    page.wait_for_timeout(300)
+    page.keyboard.type("wait")
+    expect(field).to_have_value("wait")
+    page.keyboard.press("Enter")
+    eventually(lambda: len(robot.heard) == 3)
+    word = robot.heard[2]
+    assert word.goal == LanguageGoal(text="wait")
+    assert robot.heard[1].created_ns < word.begun_ns  # Not when the first one was begun.
+
+
+def test_the_key_of_the_field_selects_a_draft_that_an_arrow_keeps(page: Page) -> None:
+    field = page.locator("input[name=words]")
+    page.keyboard.type("pick up the")
+    page.evaluate("document.activeElement.blur()")
+    page.keyboard.press("/")
+    page.keyboard.press("ArrowRight")
+    page.keyboard.type(" ham")
+    expect(field).to_have_value("pick up the ham")
+    page.evaluate("document.activeElement.blur()")
+    page.keyboard.press("/")
+    page.keyboard.type("go")
+    expect(field).to_have_value("go")
+
+
 def test_typed_words_are_still_there_when_one_comes_back_to_their_robot(
     page: Page, other: FakeRobot
 ) -> None:
