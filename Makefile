@@ -25,8 +25,8 @@ $(STAMP): pyproject.toml constraints.txt deploy/models.txt
 demo: setup
 	$(HLD) up $(if $(ORACLE),--oracle --episodes 12 --evaluate 20) $(ARGS)
 
-# Most tests wait more than they reckon, so there are more at a time than cores; robots in real time
-# mind what runs beside them.
+# Three at a time, since a test waits now and then for a browser or a robot; robots in real time mind
+# what runs beside them.
 test: SYSTEM = --browser
 test: setup lint
 ifdef ARGS

@@ -36,7 +36,7 @@ export async function inquire(view, found) {
       found();
     }
   } catch {
-    // The next decision asks again about what was not answered.
+    // With the next news of the robot it is asked again about what was not answered.
   } finally {
     scene.busy = false;
   }
