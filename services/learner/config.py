@@ -21,7 +21,7 @@ class TrainSettings(Settings):
     start: from the version in force, or anew from the first one of the store.
     steps: updates at least. epochs: how often each label is drawn on average, if that takes more
         updates. max_steps: but no more than these.
-    batch, lr, frozen_encoder: as in `shared.policies.fit.FitSettings`.
+    batch, lr, frozen_encoder, mind_rate, retoned: as in `shared.policies.fitter.FitSettings`.
     correction_share: of each batch, from what people said in all rounds so far; the rest are
         demonstrations.
     own_weights: share of what a round learned in its weights; the rest is the first version's,
@@ -37,6 +37,8 @@ class TrainSettings(Settings):
     batch: Annotated[int, Field(ge=2, le=4096)] = 64
     lr: Annotated[float, Field(gt=0, le=1)] = 1e-3
     frozen_encoder: bool = False
+    mind_rate: Annotated[float, Field(gt=0, le=1)] = 0.1
+    retoned: Annotated[float, Field(ge=0, le=1)] = 0.5
     correction_share: Annotated[float, Field(gt=0, lt=1)] = 0.5
     own_weights: Annotated[float, Field(gt=0, le=1)] = 0.8
     threads: Annotated[int, Field(ge=1)] = 2

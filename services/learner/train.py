@@ -154,6 +154,8 @@ def fit_settings(settings: TrainSettings, seed: int, labels: int) -> FitSettings
         batch=settings.batch,
         lr=settings.lr,
         frozen_encoder=settings.frozen_encoder,
+        mind_rate=settings.mind_rate,
+        retoned=settings.retoned,
         correction_share=settings.correction_share,
         seed=seed,
     )

@@ -26,6 +26,7 @@ from shared.policies.fitter import FitSettings, Fitter, Mean, keep, resumed
 from shared.policies.high_net import HighLevelNet
 from shared.policies.precision import autocast, pixel_type
 from shared.policies.sources import Source, merge
+from shared.policies.tones import tones_of
 
 Progress = Callable[[int, int, float], bool]
 ASKED = 256
@@ -79,10 +80,11 @@ def fit(
     began, encoder = time.monotonic(), encoder or shared_encoder()
     sources = sources_of(demonstrations, corrections, settings, bank, encoder, net)
     net.text.learn(bank.phrases, encoder)
-    frozen = [*net.eyes.parameters(), *net.glance.parameters()] if settings.frozen_encoder else ()
+    sights = [*net.eyes.parameters(), *net.glance.parameters()]
+    frozen, slow = (sights, []) if settings.frozen_encoder else ([], behind(net))
     for number, source in enumerate(sources if settings.frozen_encoder else ()):
         source.remember(net, settings, settings.seed + number)
-    teacher, fitter = Teacher(net, bank), Fitter(net, settings, frozen=frozen)
+    teacher, fitter = Teacher(net, bank), Fitter(net, settings, frozen=frozen, slow=slow)
     lessons, text, agreement = Mean(), Mean(), Mean()
     done = before = resumed(fitter, kept, (lessons, text, agreement))
     for done in range(before + 1, settings.steps + 1):
@@ -104,6 +106,12 @@ def fit(
     seconds = time.monotonic() - began
     finished = done == settings.steps
     return FitReport(done, finished, lessons.value, agreement.value, seconds, text.value)
+
+
+def behind(net: HighLevelNet) -> list[torch.nn.Parameter]:
+    """What the eyes' answers go through on their way to the meaning; the text head is beside it."""
+    apart = {id(part) for of in (net.eyes, net.glance, net.text) for part in of.parameters()}
+    return [part for part in net.parameters() if id(part) not in apart]
 
 
 class Agreement(NamedTuple):
@@ -183,4 +191,6 @@ def sources_of(
     sources = [Source(part, count, bank, encoder, net) for part, count in parts if part and count]
     if not sources:
         raise PolicyError("there is nothing to learn from: no demonstrations, no corrections")
+    if corrections and len(sources) == len(parts) and settings.retoned:
+        sources[0].retone(tones_of(corrections.images), settings.retoned)
     return sources

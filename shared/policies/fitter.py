@@ -27,6 +27,10 @@ class FitSettings(Variation):
     correction_share: part of each batch that is drawn from the corrections.
     frozen_encoder: leave the eyes as they are, and train only what is behind them. They look at
         every picture once, in a few variations, and not in each update.
+    mind_rate: where the eyes learn, the share of `lr` by which what is behind them learns: what
+        prompts want, and what is to be done about it. The text head isn't among that.
+    retoned: share of the demonstrations that are shown in the tones of the corrections' pictures,
+        where the eyes learn; see `tones`.
     half: compute in bfloat16; None: where the processor is made for it.
     """
 
@@ -36,6 +40,8 @@ class FitSettings(Variation):
     weight_decay: Annotated[float, Field(ge=0, le=1)] = 1e-3
     correction_share: Annotated[float, Field(ge=0, le=1)] = 0.5
     frozen_encoder: bool = False
+    mind_rate: Annotated[float, Field(gt=0, le=1)] = 1.0
+    retoned: Annotated[float, Field(ge=0, le=1)] = 0.0
     half: bool | None = None
     seed: Annotated[int, Field(ge=0)] = 0
 
@@ -65,6 +71,7 @@ class Fitter:
     """Optimizer, learning rate and averaged weights of one fit.
 
     others: parameters that learn, too, and aren't averaged. frozen: those of the net that don't.
+    slow: those that learn by `mind_rate`.
     """
 
     def __init__(
@@ -73,13 +80,21 @@ class Fitter:
         settings: FitSettings,
         others: Iterable[torch.nn.Parameter] = (),
         frozen: Iterable[torch.nn.Parameter] = (),
+        slow: Iterable[torch.nn.Parameter] = (),
     ) -> None:
-        kept = {id(part) for part in frozen}
+        kept, held = {id(part) for part in frozen}, {id(part) for part in slow}
         self._own = [part for part in net.parameters() if id(part) not in kept]
         self._average = [part.detach().clone() for part in self._own]
         self._trained = [*self._own, *others]
+        groups = [
+            {
+                "params": [part for part in self._trained if (id(part) in held) is is_slow],
+                "of": rate,
+            }
+            for is_slow, rate in ((False, 1.0), (True, settings.mind_rate))
+        ]
         self._optimizer = torch.optim.AdamW(
-            self._trained, lr=settings.lr, weight_decay=settings.weight_decay, fused=True
+            groups, lr=settings.lr, weight_decay=settings.weight_decay, fused=True
         )
         self._settings = settings
         net.train()
@@ -90,7 +105,7 @@ class Fitter:
         fall = 0.5 * (1 + np.cos(np.pi * step / self._settings.steps))
         rate = self._settings.lr * (0.02 + 0.98 * fall) * min(1.0, (step + 1) / WARM_STEPS)
         for group in self._optimizer.param_groups:
-            group["lr"] = rate
+            group["lr"] = rate * group["of"]
         self._net.zero_grad()
         self._optimizer.zero_grad()
         loss.backward()  # type: ignore[no-untyped-call]

@@ -24,6 +24,7 @@ from shared.policies.reading import (
     relit,
     shifted,
 )
+from shared.policies.tones import Tones, retoned, tones_of
 from shared.policies.variation import Variation
 from shared.policies.wishes import Words
 
@@ -138,12 +139,28 @@ class Source:
             raise PolicyError(f"labels that the bank does not hold: {', '.join(unknown)}")
         self._labels = torch.tensor([rows[label] for label in examples.labels])
         self._sights: Sights | None = None
+        self._tones: tuple[Tones, Tones, float] | None = None
 
     def draw(self, rng: np.random.Generator) -> Batch:
         """`count` examples, with replacement."""
         rows = self.choose(rng)
         batch = self.at(rows)
-        return batch._replace(sights=self._seen_before(rows, rng)) if self._sights else batch
+        if self._sights:
+            return batch._replace(sights=self._seen_before(rows, rng))
+        return self._retoned(batch, rng) if self._tones else batch
+
+    def retone(self, tones: Tones, share: float) -> None:
+        """Show a share of what is drawn from now on in these tones; not to frozen eyes."""
+        self._tones = tones_of(self._images), tones, share
+
+    def _retoned(self, batch: Batch, rng: np.random.Generator) -> Batch:
+        assert self._tones is not None  # The caller looked.
+        old, new, share = self._tones
+        rows = rng.random(len(batch.images)) < share
+        # They are copies of what is kept, and of nobody else.
+        batch.images[rows] = retoned(batch.images[rows], old, new)
+        batch.glimpses[rows] = retoned(batch.glimpses[rows], old, new)
+        return batch
 
     def remember(self, net: HighLevelNet, by: Variation, seed: int) -> None:
         """Let frozen eyes look at all pictures now, in `VARIATIONS`; batches carry what they saw.

@@ -10,10 +10,10 @@ import pytest
 
 from services.learner.experiments.bench import Bench, Scale
 from services.learner.experiments.dagger import compare
-from services.learner.experiments.dagger.course import Course
+from services.learner.experiments.dagger.course import Course, place_of
 from services.learner.experiments.dagger.figures import failed_commands, gap_closed, less
 from services.learner.experiments.dagger.kept import bare
-from services.learner.experiments.dagger.lessons import Treatment, place_of
+from services.learner.experiments.dagger.lessons import Treatment
 from services.learner.experiments.dagger.scale import ARMS, CORE, FULL, MAIN, SMALL, DaggerSettings
 from services.learner.experiments.dagger.targets import targets
 from services.learner.experiments.dagger.watching import Person, Shift, Turn, Watcher
@@ -29,6 +29,7 @@ from shared.messages.episode import Episode
 from shared.policies.checkpoint import bundled, load_card
 from shared.rollout.settings import RolloutSettings
 from shared.seeds import COLLECTION
+from shared.workcell.person import judge
 from tests.unit.experiments.bench import Here, untold
 
 LOW = load_card(bundled("low_level")).tensors_sha256
@@ -69,28 +70,62 @@ def test_who_endorses_an_episode_that_succeeded_labels_all_of_it_by_one_utteranc
         course.found(None)
         course.add(watched)
         course.begin(1, SMALL.recipe)
-        effort, labels = course.effort(1), course.labels(1)
+        effort, labels = course.effort(1, Person()), course.labels(1)
     assert (effort.overrides, effort.endorsements, effort.corrections) == (0, 1, 1)
     assert {label.ground for label in labels} == {Ground.ENDORSED}
     assert len(labels) == watched.decisions
 
 
+def test_after_the_first_round_every_other_episode_is_left_alone_and_gone_through_afterwards(
+    tmp_path: Path,
+) -> None:
+    both = Person(endorse=True, review_every=2)
+    with closing(Course(tmp_path / "course", LOW, 0)) as course:
+        course.found(None)
+        assert not any(t.reviewed for t in course.missing(1, range(6), ("pack",), both))
+        turns = course.missing(2, range(6), ("pack",), both)
+        assert [turn.reviewed for turn in turns] == [False, True] * 3
+        assert not any(t.reviewed for t in course.missing(2, range(6), ("pack",), Person()))
+        watched = watch(both, TURN._replace(episode=turns[1].episode, reviewed=True))
+        decisions = [one for one in watched.messages if isinstance(one, Decision)]
+        said = [one for one in watched.messages if isinstance(one, Correction)]
+        assert watched.messages[-1 - len(said)].corrections == 0  # The record: nobody spoke then.
+        assert {one.kind for one in said[:-1]} == {Kind.RELABEL}
+        assert said[-1].kind is Kind.ENDORSE
+        course.add(watched)
+        course.begin(1, SMALL.recipe)
+        labels = {label.decision: label for label in course.labels(1)}
+        assert set(labels) == {one.id for one in decisions}  # Each has its label,
+        for one in decisions:  # which is what the truth says of that moment.
+            verdict = judge(one, both)
+            wrong = verdict.kind == "override"
+            assert labels[one.id].text == (verdict.text if wrong else one.executed.text)
+            assert labels[one.id].ground is (Ground.RELABELLED if wrong else Ground.ENDORSED)
+        assert any(judge(one, both).kind == "override" for one in decisions)
+
+
+def test_who_misses_mistakes_misses_them_afterwards_too() -> None:
+    blind = Person(endorse=True, review_every=2, miss_rate=1.0)
+    watched = watch(blind, TURN._replace(episode="r2-e1", reviewed=True))
+    assert watched.said == {"missed": watched.decisions, "endorse": 1}
+
+
 def test_a_course_keeps_an_episode_once_and_knows_what_is_missing(tmp_path: Path) -> None:
     with closing(Course(tmp_path / "course", LOW, 0)) as course:
         course.found(None)
-        turns = course.missing(1, range(2), ("sandwich", "pack"))
+        turns = course.missing(1, range(2), ("sandwich", "pack"), Person())
         assert [(turn.task, turn.episode) for turn in turns] == [
             ("sandwich", "r1-e0"),
             ("pack", "r1-e1"),
         ]
         course.add(watch(Person(), turns[0]))
         course.add(watch(Person(), turns[0]))
-        assert course.missing(1, range(2), ("sandwich", "pack")) == turns[1:]
+        assert course.missing(1, range(2), ("sandwich", "pack"), Person()) == turns[1:]
     with closing(Course(tmp_path / "course", LOW, 0)) as course:
         round_ = course.begin(1, SMALL.recipe)
         assert round_ is not None
         assert course.begin(1, SMALL.recipe) == round_
-        effort = course.effort(1)
+        effort = course.effort(1, Person())
         assert (effort.episodes, effort.decisions) == (1, 4)
         labels = course.labels(1)
         assert {label.ground for label in labels} <= {
@@ -220,7 +255,7 @@ def test_all_of_it_in_small_and_again_without_doing_anything_twice(
     monkeypatch.setitem(ARMS, "rehearsed", ARMS["rehearsed"]._replace(replayed=5))
     train = SMALL.recipe.train.model_copy(update={"steps": 2, "batch": 4, "epochs": 0})
     settings = DaggerSettings(
-        episodes=(1,),
+        episodes=(1, 2),
         seeds=1,
         people=(MAIN,),
         arms=("shuffled", "lab", "rehearsed"),
@@ -231,10 +266,15 @@ def test_all_of_it_in_small_and_again_without_doing_anything_twice(
     told = compare(bench, settings)
     figures = told.figures
     assert set(figures["arms"]) == {
-        "base", "oracle", "live", f"{MAIN}, round 1", "shuffled", "lab", "rehearsed",
+        "base", "oracle", "live", f"{MAIN}, round 1", f"{MAIN}, round 2",
+        "shuffled", "lab", "rehearsed",
     }  # fmt: skip
     assert all(found["n"] == 1 for found in figures["arms"].values())
     assert figures["corrections_share"]["value"] > 0
+    first, second = figures["people"][MAIN]
+    assert (first["episodes"], first["success_alone"], first["relabels"]) == (1, None, 0)
+    assert (second["episodes"], second["success_alone"]) == (2, 0.0)
+    assert second["relabels"] > 0 < second["overrides"]
     assert figures["teleoperation"]["lab"]["decisions"] > 0
     assert figures["retention"]["before"]["n"] == 1
     assert set(figures["retention"]["arms"]) == {"rehearsed"}
@@ -259,7 +299,7 @@ def test_all_of_it_in_small_and_again_without_doing_anything_twice(
     whole = compare(replace(elsewhere, publish=published.append), twice).figures
     assert [one.figures for one in published] == [figures]
     assert whole["arms"][f"{MAIN}, round 1"]["n"] == 2
-    other = settings.model_copy(update={"episodes": (2,)})
+    other = settings.model_copy(update={"episodes": (1, 3)})
     with pytest.raises(HldError, match="move it away, or name another --out"):
         compare(elsewhere, other)
     (kept / "seed-0.json.gz").write_bytes(b"cut")

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from services.learner.build import STORE_FILE, origin
 from services.learner.config import Recipe
-from services.learner.experiments.dagger.watching import Turn, Watched
+from services.learner.experiments.dagger.watching import Person, Turn, Watched
 from services.learner.gate import Candidate
 from services.learner.labels.aggregate import Label, derive
 from services.learner.rounds import next_manifest, take_stock
@@ -33,7 +33,9 @@ class Effort(NamedTuple):
     """What the people of a round did. overrides, releases: utterances that the robot obeyed.
 
     endorsements: episodes of which they said afterwards that the rest was right.
-    steps: control steps that they looked on.
+    steps: control steps that they looked on. successes: with their help, where they gave it.
+    reviewed: episodes in which nobody interfered; alone: successes of these.
+    relabels: wrong stretches in them of which they said what would have been right.
     """
 
     episodes: int
@@ -43,11 +45,14 @@ class Effort(NamedTuple):
     endorsements: int
     steps: int
     successes: int
+    reviewed: int = 0
+    alone: int = 0
+    relabels: int = 0
 
     @property
     def corrections(self) -> int:
         """What was said, but that somebody let go."""
-        return self.overrides + self.endorsements
+        return self.overrides + self.relabels + self.endorsements
 
 
 class Course:
@@ -87,10 +92,12 @@ class Course:
 
     # -- collecting
 
-    def missing(self, round_: int, episodes: range, tasks: tuple[str, ...]) -> list[Turn]:
+    def missing(
+        self, round_: int, episodes: range, tasks: tuple[str, ...], person: Person
+    ) -> list[Turn]:
         """The episodes of a round that have not been watched yet.
 
-        episodes: their places among those of all rounds.
+        episodes: their places among those of all rounds. person: who will watch.
         """
         if self._rounds() >= round_:
             return []
@@ -100,6 +107,7 @@ class Course:
                 collection_seed(self.seed, place),
                 tasks[place % len(tasks)],
                 f"r{round_}-e{number}",
+                person.reviews(round_, number),
             )
             for number, place in enumerate(episodes)
         ]
@@ -173,13 +181,14 @@ class Course:
         recipe = Recipe.model_validate(manifest.settings)
         return derive(self.store.history(manifest), recipe.labels, self._low_level_sha256)
 
-    def effort(self, round_: int) -> Effort:
-        """What the people of one round did."""
+    def effort(self, round_: int, person: Person) -> Effort:
+        """What the people of one round did. person: who watched."""
         history = self.store.history(self.store.rounds()[round_ - 1].manifest)
         episodes = {one.id: one for one in history.episodes if one.id.startswith(f"r{round_}-")}
         obeyed = {one.correction for one in history.receipts if one.accepted}
         said = [one for one in history.corrections if one.episode in episodes]
         spoken = [one for one in said if one.id in obeyed or one.kind in AFTERWARDS]
+        alone = [one for one in episodes.values() if person.reviews(*place_of(one.id))]
         return Effort(
             episodes=len(episodes),
             decisions=sum(one.decisions for one in episodes.values()),
@@ -188,6 +197,9 @@ class Course:
             endorsements=_count(spoken, Kind.ENDORSE),
             steps=sum(one.steps for one in episodes.values()),
             successes=sum(one.success for one in episodes.values()),
+            reviewed=len(alone),
+            alone=sum(one.success for one in alone),
+            relabels=_count(spoken, Kind.RELABEL),
         )
 
     def staleness(self, round_: int) -> dict[str, int]:
@@ -204,6 +216,12 @@ class Course:
         history = self.store.history(self.store.rounds()[round_ - 1].manifest)
         spoken = {one.episode for one in history.corrections if one.kind is Kind.OVERRIDE}
         return frozenset(one.prompt for one in history.episodes if one.id in spoken)
+
+
+def place_of(episode: str) -> tuple[int, int]:
+    """The round and the number of an episode, by its id."""
+    round_, _, number = episode.removeprefix("r").partition("-e")
+    return int(round_), int(number)
 
 
 def _count(corrections: Iterable[Correction], kind: Kind) -> int:

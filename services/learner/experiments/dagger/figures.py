@@ -119,7 +119,7 @@ def gap_closed(rows: dict[str, BySeed], rounds: int) -> dict[str, Any]:
 def _corrections_share(paces: Sequence[Pace]) -> dict[str, Any]:
     """Corrections per 100 decisions of the collected episodes, over all rounds and by round.
 
-    value, rounds: overrides and endorsements. with_releases: that somebody let go counts, too.
+    value, rounds: overrides, relabels, endorsements. with_releases: that somebody let go, too.
     """
     efforts = [pace.efforts for pace in paces if pace.person == MAIN]
     every = [effort for some in efforts for effort in some]
@@ -175,6 +175,7 @@ def _people(paces: Sequence[Pace]) -> list[dict[str, Any]]:
                 "decisions": sum(effort.decisions for effort in efforts),
                 "overrides": sum(effort.overrides for effort in efforts),
                 "releases": sum(effort.releases for effort in efforts),
+                "relabels": sum(effort.relabels for effort in efforts),
                 "endorsements": sum(effort.endorsements for effort in efforts),
                 "corrections_per_episode": round(
                     sum(effort.corrections for effort in efforts) / max(1, episodes), 2
@@ -182,16 +183,21 @@ def _people(paces: Sequence[Pace]) -> list[dict[str, Any]]:
                 "per_100_decisions": _per_hundred(efforts),
                 "speaking_s": round(said * SPEAK_S / len(paces), 1),
                 "watching_s": round(sum(effort.steps for effort in efforts) / HZ / len(paces), 1),
-                "success_with_help": rate_of(efforts),
+                "success_with_help": _share(
+                    sum(effort.successes - effort.alone for effort in efforts),
+                    sum(effort.episodes - effort.reviewed for effort in efforts),
+                ),
+                "success_alone": _share(
+                    sum(effort.alone for effort in efforts),
+                    sum(effort.reviewed for effort in efforts),
+                ),
             }
         )
     return rounds
 
 
-def rate_of(efforts: Sequence[Effort]) -> float:
-    """Success of the collected episodes, with the person's help."""
-    episodes = sum(effort.episodes for effort in efforts)
-    return round(sum(effort.successes for effort in efforts) / max(1, episodes), 4)
+def _share(some: int, many: int) -> float | None:
+    return round(some / many, 4) if many else None
 
 
 def _teleoperation(tried: Tried) -> dict[str, Any]:

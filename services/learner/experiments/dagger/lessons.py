@@ -11,7 +11,7 @@ import torch
 from pydantic import BaseModel, ConfigDict
 
 from services.learner.anchor import anchor
-from services.learner.experiments.dagger.course import Course, under_way
+from services.learner.experiments.dagger.course import Course, place_of, under_way
 from services.learner.experiments.dagger.scale import ARMS, Arm, DaggerSettings
 from services.learner.gate import Candidate
 from services.learner.gather import open_version
@@ -221,12 +221,6 @@ class Treatment:
         if self._arm.data == "last" and round_ != self._settings.rounds:
             return False
         return number < self._arm.episodes * self._settings.episodes[round_ - 1]
-
-
-def place_of(episode: str) -> tuple[int, int]:
-    """The round and the number of an episode, by its id."""
-    round_, _, number = episode.removeprefix("r").partition("-e")
-    return int(round_), int(number)
 
 
 def slug(name: str) -> str:

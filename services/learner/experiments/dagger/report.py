@@ -25,6 +25,10 @@ ENDORSING = (
     " After an episode that succeeded they say once that the rest was right, so that what π_HL "
     "chose there is learned, too, but not what they may have begun to object to."
 )
+REVIEWING = (
+    " From the second round on every other episode is left to the robot: afterwards they say of "
+    "each wrong stretch what would have been right, and that the rest was."
+)
 
 
 def findings(settings: DaggerSettings, tried: Tried, site: str) -> Findings:
@@ -56,7 +60,8 @@ def _method(settings: DaggerSettings) -> tuple[str, ...]:
         "training seeds with scenes of their own. A scripted person knows the true state and looks "
         "at every decision. Where the command is wrong they say the right one, which holds until "
         "they say another or let go; where it is right they say nothing."
-        + (ENDORSING if PEOPLE[MAIN].endorse else " Nothing is learned there."),
+        + (ENDORSING if PEOPLE[MAIN].endorse else " Nothing is learned there.")
+        + (REVIEWING if PEOPLE[MAIN].review_every else ""),
         "After each round the high level is trained on demonstrations from the lab and on all "
         "corrections so far; the low level never changes. Every version is tried alone, on the "
         "same scenes, that nobody corrected in.",
@@ -76,7 +81,8 @@ def _notes(settings: DaggerSettings) -> tuple[str, ...]:
         "McNemar's, exact, for each training seed; the largest is told. None is corrected for "
         "there being several.",
         "A correction is what somebody says: an override, which may hold over several decisions, "
-        "or an endorsement of an episode. A release is a key without words, and is counted beside. "
+        "what would have been right over a stretch, or an endorsement of an episode. A release is "
+        "a key without words, and is counted beside. "
         f"Speaking is reckoned as {SPEAK_S:.0f} s an utterance, a release included; watching is "
         "the robot's time. By hand somebody drives all the time that an episode takes; the "
         "scripted expert does so without a pause.",
@@ -122,14 +128,17 @@ def _rounds_table(figures: dict[str, Any]) -> Table:
             f"{found['per_100_decisions']:.1f}",
             f"{found['speaking_s'] / 60:.1f}",
             f"{found['watching_s'] / 60:.1f}",
-            f"{found['success_with_help']:.2f}",
+            *(
+                "" if found[share] is None else f"{found[share]:.2f}"
+                for share in ("success_with_help", "success_alone")
+            ),
         )
         for person, rounds in figures["people"].items()
         for number, found in enumerate(rounds, 1)
     ]
     columns = (
         "person", "round", "episodes", "corrections an episode", "per 100 decisions",
-        "min speaking", "min watching", "success with help",
+        "min speaking", "min watching", "success with help", "success alone",
     )  # fmt: skip
     return Table(title="What people did", columns=columns, rows=tuple(rows))
 

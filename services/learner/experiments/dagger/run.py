@@ -76,7 +76,7 @@ class Run:
         """What outcomes hang on. trained: also on how the versions came about."""
         plan = self._bench.plan(high_level=self._bench.high_level)
         told = {"plan": json.loads(plan.note()), "seeds": self._bench.seeds}
-        told["person"] = PEOPLE[MAIN].model_dump(mode="json")
+        told["person"] = PEOPLE[MAIN].model_dump(mode="json", exclude={"review_every"})
         if trained:
             told["settings"] = self._settings.model_dump(mode="json", exclude={"seeds"})
             told["people"] = [PEOPLE[one].model_dump(mode="json") for one in self._settings.people]
@@ -124,7 +124,7 @@ class Run:
 
     def _pace(self, person: str, course: Course) -> Pace:
         rounds = range(1, self._settings.rounds + 1)
-        efforts = tuple(course.effort(number) for number in rounds)
+        efforts = tuple(course.effort(number, PEOPLE[person]) for number in rounds)
         return Pace(person, course.seed, efforts, tuple(map(course.staleness, rounds)))
 
     # -- rounds
@@ -132,7 +132,7 @@ class Run:
     def _collect(self, courses: Courses, number: int) -> None:
         tasks = tuple(self._bench.tasks())
         work = {
-            person: course.missing(number, self._settings.places(number), tasks)
+            person: course.missing(number, self._settings.places(number), tasks, PEOPLE[person])
             for person, course in courses.items()
         }
         tell = self._bench.reporter(f"round {number}: episodes", sum(map(len, work.values())))

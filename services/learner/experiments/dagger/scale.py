@@ -16,16 +16,18 @@ from shared.config import Settings
 Count = Annotated[int, Field(ge=1)]
 MAIN = "corrected"
 """The person of the main course: speaks where something is wrong, at once, and says once, after an
-episode that succeeded, that the rest was right."""
+episode that succeeded, that the rest was right. From the second round on every other episode is
+left alone and gone through afterwards."""
 
 PEOPLE: dict[str, Person] = {
-    MAIN: Person(endorse=True),
+    MAIN: Person(endorse=True, review_every=2),
+    "not reviewing": Person(endorse=True),
     "not endorsing": Person(),
     "approving": Person(approve=True),
-    "late 0.5 s": Person(endorse=True, delay_steps=25),
-    "late 1.5 s": Person(endorse=True, delay_steps=75),
-    "misses 20 %": Person(endorse=True, miss_rate=0.2),
-    "wrong 10 %": Person(endorse=True, wrong_phrase_rate=0.1),
+    "late 0.5 s": Person(endorse=True, review_every=2, delay_steps=25),
+    "late 1.5 s": Person(endorse=True, review_every=2, delay_steps=75),
+    "misses 20 %": Person(endorse=True, review_every=2, miss_rate=0.2),
+    "wrong 10 %": Person(endorse=True, review_every=2, wrong_phrase_rate=0.1),
 }
 LATE = "late 1.5 s"
 
@@ -154,7 +156,15 @@ CORE = DaggerSettings(
 FULL = DaggerSettings(
     episodes=(40, 80, 80),
     seeds=3,
-    people=(MAIN, "not endorsing", "late 0.5 s", LATE, "misses 20 %", "wrong 10 %"),
+    people=(
+        MAIN,
+        "not reviewing",
+        "not endorsing",
+        "late 0.5 s",
+        LATE,
+        "misses 20 %",
+        "wrong 10 %",
+    ),
     arms=tuple(ARMS),
 )
 SCALES = {Scale.SMALL: SMALL, Scale.CORE: CORE, Scale.FULL: FULL}

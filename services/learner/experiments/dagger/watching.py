@@ -8,6 +8,7 @@ Source: Kelly et al. 2019 (HG-DAgger, arXiv 1810.02890) for who decides when to 
 
 from collections import Counter
 from collections.abc import Iterator
+from itertools import groupby
 from typing import Annotated, NamedTuple
 
 import torch
@@ -39,12 +40,24 @@ class Person(Habits):
     hold_steps: how long an override holds; None: until it is released.
     approve: say so where a command is right, at each decision; else nothing is said there.
     endorse: say once, after an episode that succeeded, that the rest was right.
+    review_every: after the first round, every so many episodes are left to the robot and gone
+        through afterwards: each wrong stretch is relabelled, the rest endorsed; 0: none. Whoever
+        always interferes never shows what to do after a mistake.
     """
 
     delay_steps: Annotated[int, Field(ge=0, le=10_000)] = 0
     hold_steps: Annotated[int, Field(ge=1, le=100_000)] | None = None
     approve: bool = False
     endorse: bool = False
+    review_every: Annotated[int, Field(ge=0, le=1000)] = 0
+
+    def reviews(self, round_: int, number: int) -> bool:
+        """Whether they leave an episode alone and go through it afterwards.
+
+        round_, number: as they are counted, from 1 and from 0.
+        """
+        every = self.review_every
+        return round_ > 1 and every > 0 and number % every == every - 1
 
 
 class Shift(Settings):
@@ -59,11 +72,15 @@ class Shift(Settings):
 
 
 class Turn(NamedTuple):
-    """One episode: its seed, its task, and its id in the messages."""
+    """One episode: its seed, its task, and its id in the messages.
+
+    reviewed: nobody interferes; the person goes through it afterwards.
+    """
 
     seed: int
     task: str
     episode: str
+    reviewed: bool = False
 
 
 class Watched(NamedTuple):
@@ -93,7 +110,7 @@ class Watcher:
         self._levels: Levels = levels_of(shift.plan, self._station)
 
     def __call__(self, turn: Turn) -> Watched:
-        """Roll out one episode, corrected at each decision that deserves it."""
+        """Roll out one episode, corrected at each decision that deserves it, then or afterwards."""
         scene = self._station.reset(turn.seed, turn.task, None)
         clock, messages, said = ManualClock(), list[Said](), Counter[str]()
         rollout = Rollout(
@@ -102,7 +119,7 @@ class Watcher:
             self._levels.low,
             Lockstep(self._settings.latency_steps),
             clock,
-            self._settings,
+            self._settings.model_copy(update={"supervised": not turn.reviewed}),
             name=self._shift.robot,
             episode=turn.episode,
             scene=scene,
@@ -134,7 +151,12 @@ class Watcher:
                 ended_ns=clock.now_ns(),
             )
         )
-        if rollout.done and self._shift.person.endorse:
+        if turn.reviewed:
+            decisions = [one for one in messages if isinstance(one, Decision)]
+            for decision, end, text in self._wrong(decisions, rollout.step, said):
+                messages.append(self._relabel(decision, end, text, clock.now_ns()))
+                said[str(Kind.RELABEL)] += 1
+        if turn.reviewed or (rollout.done and self._shift.person.endorse):
             messages.append(self._endorse(turn.episode, rollout.step, clock.now_ns()))
             said[str(Kind.ENDORSE)] += 1
         return Watched(
@@ -199,6 +221,36 @@ class Watcher:
             delay_steps=person_.delay_steps,
             begun_ns=decision.time_ns,
             created_ns=decision.time_ns,
+        )
+
+    def _wrong(
+        self, decisions: list[Decision], steps: int, said: Counter[str]
+    ) -> Iterator[tuple[Decision, int, str]]:
+        """The stretches that the person calls wrong: the first decision, the step after the last,
+        and what they say would have been right."""
+        verdicts = [person.judge(decision, self._shift.person) for decision in decisions]
+        said["missed"] += sum(verdict.missed for verdict in verdicts)
+        texts = [
+            verdict.text if verdict.kind == person.Kind.OVERRIDE else None for verdict in verdicts
+        ]
+        ends = [*(decision.step for decision in decisions[1:]), steps]
+        for text, stretch in groupby(zip(texts, decisions, ends, strict=True), lambda one: one[0]):
+            _, first, last = zip(*stretch, strict=True)
+            if text is not None:
+                yield first[0], last[-1], text
+
+    def _relabel(self, decision: Decision, end: int, text: str, now_ns: int) -> Correction:
+        return Correction(
+            id=f"{Kind.RELABEL}-{decision.id}"[:64],
+            robot=decision.robot,
+            episode=decision.episode,
+            kind=Kind.RELABEL,
+            author="oracle",
+            goal=Goal(text=text),
+            first_step=decision.step,
+            end_step=end,
+            begun_ns=now_ns,
+            created_ns=now_ns,
         )
 
     def _endorse(self, episode: str, steps: int, now_ns: int) -> Correction:
