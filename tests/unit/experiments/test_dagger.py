@@ -293,7 +293,8 @@ def test_all_of_it_in_small_and_again_without_doing_anything_twice(
     assert pool.jobs == done
     # Of several training seeds the first makes a report already.
     kept = elsewhere.out / "outcomes" / "far"
-    shutil.copy(kept / "seed-0.json.gz", kept / "seed-1.json.gz")
+    for name in ("corrected", *settings.arms):
+        shutil.copy(kept / f"{name}-0.json.gz", kept / f"{name}-1.json.gz")
     published: list[Findings] = []
     twice = settings.model_copy(update={"seeds": 2})
     whole = compare(replace(elsewhere, publish=published.append), twice).figures
@@ -302,7 +303,12 @@ def test_all_of_it_in_small_and_again_without_doing_anything_twice(
     other = settings.model_copy(update={"episodes": (1, 3)})
     with pytest.raises(HldError, match="move it away, or name another --out"):
         compare(elsewhere, other)
-    (kept / "seed-0.json.gz").write_bytes(b"cut")
+    # An arm that is missing there is made from the same course, gone through once more.
+    (kept / "shuffled-0.json.gz").unlink()
+    assert compare(elsewhere, settings).figures == figures
+    assert pool.jobs > done
+    done = pool.jobs
+    (kept / "corrected-0.json.gz").write_bytes(b"cut")
     with pytest.raises(HldError, match="holds no outcomes"):
         compare(elsewhere, settings)
     # Another scale goes on with what was trained and tried for this one.

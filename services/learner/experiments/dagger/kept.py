@@ -1,4 +1,5 @@
-"""What came of each training seed, in a file each: small enough to be carried elsewhere.
+"""What came of each course and each arm of a training seed, in a file each, small enough to be
+carried elsewhere.
 
 A run takes hours, weights and stores are large, and what the report needs of them is little. So a
 run that goes on in another place needs these files alone, and doesn't do again what is in them.
@@ -6,7 +7,7 @@ run that goes on in another place needs these files alone, and doesn't do again 
 
 import gzip
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -47,6 +48,18 @@ class Outcomes(BaseModel):
     taught: list[Taught] = []
 
 
+def joined(parts: Sequence[Outcomes]) -> Outcomes:
+    """All of them as one, which hangs on nothing by itself."""
+    return Outcomes(
+        note="",
+        rows={name: rows for part in parts for name, rows in part.rows.items()},
+        lab={name: rows for part in parts for name, rows in part.lab.items()},
+        paces=[pace for part in parts for pace in part.paces],
+        prompts=[prompt for part in parts for prompt in part.prompts],
+        taught=[taught for part in parts for taught in part.taught],
+    )
+
+
 class Archive:
     """The folder of these files."""
 
@@ -56,6 +69,10 @@ class Archive:
     def file(self, name: str) -> Path:
         """Where outcomes of this name lie."""
         return self._folder / f"{name}.json.gz"
+
+    def has(self, name: str) -> bool:
+        """Whether they are there."""
+        return self.file(name).exists()
 
     def get(self, name: str, note: str, make: Callable[[], Outcomes]) -> Outcomes:
         """Those that are there, else those that are made now and kept.

@@ -1,8 +1,8 @@
 """Runs the courses, the arms beside them, and tries every version on the same scenes."""
 
 import json
-from collections.abc import Iterator
-from contextlib import ExitStack, closing, contextmanager
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack, closing
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple
@@ -10,8 +10,8 @@ from typing import NamedTuple
 from services.learner.baselines.policy import ArmPlan, evaluator
 from services.learner.experiments.bench import Bench
 from services.learner.experiments.dagger.course import Course
-from services.learner.experiments.dagger.kept import Archive, BySeed, Outcomes, Pace, bare
-from services.learner.experiments.dagger.lessons import Lesson, Taught, Teacher, Teaching
+from services.learner.experiments.dagger.kept import Archive, BySeed, Outcomes, Pace, bare, joined
+from services.learner.experiments.dagger.lessons import Lesson, Taught, Teacher, Teaching, slug
 from services.learner.experiments.dagger.scale import ARMS, MAIN, PEOPLE, DaggerSettings
 from services.learner.experiments.dagger.watching import Live, Shift, Watcher
 from shared.evaluation.attempts import Row
@@ -21,10 +21,8 @@ from shared.policies.checkpoint import CARD_FILE, bundled, load_card
 from shared.rollout.settings import RolloutSettings
 
 LAB = "lab"
-LAB_ARMS = ("together", "unanchored", "rehearsed")
-"""Tried in the lab, too: what is kept by averaging with the base's weights, by replaying more."""
-Courses = dict[str, Course]
-"""Of one training seed, by person."""
+LAB_ARMS = ("together", "unanchored", "as-fast", "untoned", "rehearsed")
+"""Tried in the lab, too: what keeps what was known there."""
 
 
 class Tried(NamedTuple):
@@ -55,10 +53,7 @@ class Run:
     def go(self) -> Tried:
         """Do what is missing, and tell all."""
         untrained = self._archive.get("untrained", self._note(), self._untrained)
-        each = [
-            self._archive.get(f"seed-{seed}", self._note(trained=True), partial(self._seed, seed))
-            for seed in range(self._settings.seeds)
-        ]
+        each = [self._seed(seed) for seed in range(self._settings.seeds)]
         rows = {name: [some] for name, some in untrained.rows.items()}
         rows |= {name: [one.rows[name] for one in each] for name in each[0].rows}
         untrained_lab = {name: [some] for name, some in untrained.lab.items()}
@@ -72,15 +67,21 @@ class Run:
             taught=[taught for one in each for taught in one.taught],
         )
 
-    def _note(self, *, trained: bool = False) -> str:
-        """What outcomes hang on. trained: also on how the versions came about."""
+    def _note(self, **more: object) -> str:
+        """What outcomes hang on. more: than robots, scenes, and who corrects live."""
         plan = self._bench.plan(high_level=self._bench.high_level)
         told = {"plan": json.loads(plan.note()), "seeds": self._bench.seeds}
         told["person"] = PEOPLE[MAIN].model_dump(mode="json", exclude={"review_every"})
-        if trained:
-            told["settings"] = self._settings.model_dump(mode="json", exclude={"seeds"})
-            told["people"] = [PEOPLE[one].model_dump(mode="json") for one in self._settings.people]
-        return json.dumps(told, sort_keys=True)
+        return json.dumps({**told, **more}, sort_keys=True)
+
+    def _of_course(self, person: str, **more: object) -> str:
+        """The same of what a person's rounds made."""
+        settings = self._settings.model_dump(mode="json", include={"episodes", "recipe"})
+        return self._note(settings=settings, watched=PEOPLE[person].model_dump(mode="json"), **more)
+
+    def _of_arm(self, name: str) -> str:
+        """The same of an arm."""
+        return self._of_course(ARMS[name].person, arm=ARMS[name].told(self._settings.recipe))
 
     def _untrained(self) -> Outcomes:
         """What is the same for each training seed."""
@@ -92,35 +93,57 @@ class Run:
         )
 
     def _seed(self, seed: int) -> Outcomes:
-        """All rounds and arms of one training seed."""
-        with self._courses(seed) as courses:
-            for course in courses.values():
-                course.found(self._base)
-            for number in range(1, self._settings.rounds + 1):
-                self._collect(courses, number)
-                self._train(courses, number)
-            taught, last = self._arms(seed), self._settings.rounds
-            rows = self._everywhere(courses, seed)
-            lab = {"last": self._episodes(courses[MAIN], last, LAB)}
-            for name in LAB_ARMS:
-                if name in self._settings.arms_of_people:
-                    lab[name] = self._arm(name, seed, LAB)
+        """All rounds and arms of one training seed, of which each is kept by itself."""
+        people, names = self._settings.people, self._settings.arms_of_people
+        arms = [name for name in names if not self._archive.has(f"{name}-{seed}")]
+        # What arms learn from is there, also where its own outcomes came from elsewhere.
+        learned_from = {ARMS[name].person for name in arms}
+        self._courses(
+            [
+                one
+                for one in people
+                if one in learned_from or not self._archive.has(_file(one, seed))
+            ],
+            seed,
+        )
+        found = [
+            self._archive.get(
+                _file(person, seed), self._of_course(person), partial(self._rounds, person, seed)
+            )
+            for person in people
+        ]
+        taught = {one.lesson.arm: one for one in self._arms(arms, seed)}
+        for name in names:
+            make = partial(self._arm_tried, name, seed, taught)
+            found.append(self._archive.get(f"{name}-{seed}", self._of_arm(name), make))
+        return joined(found)
+
+    def _rounds(self, person: str, seed: int) -> Outcomes:
+        """What came of the rounds of one person."""
+        last = self._settings.rounds
+        with closing(self._teaching.course(person, seed)) as course:
+            rows = {
+                f"{person}, round {number}": bare(self._episodes(course, number))
+                for number in self._settings.tried(person)
+            }
+            main = person == MAIN
             return Outcomes(
-                note=self._note(trained=True),
-                rows={name: bare(some) for name, some in rows.items()},
-                lab={name: bare(some) for name, some in lab.items()},
-                paces=[self._pace(person, course) for person, course in courses.items()],
-                prompts=sorted(courses[MAIN].corrected_prompts(last)),
-                taught=taught,
+                note=self._of_course(person),
+                rows=rows,
+                lab={"last": bare(self._episodes(course, last, LAB))} if main else {},
+                paces=[self._pace(person, course)],
+                prompts=sorted(course.corrected_prompts(last)) if main else [],
             )
 
-    @contextmanager
-    def _courses(self, seed: int) -> Iterator[Courses]:
-        with ExitStack() as stack:
-            yield {
-                person: stack.enter_context(closing(self._teaching.course(person, seed)))
-                for person in self._settings.people
-            }
+    def _arm_tried(self, name: str, seed: int, taught: dict[str, Taught]) -> Outcomes:
+        """What came of one arm."""
+        in_lab = {name: bare(self._arm(name, seed, LAB))} if name in LAB_ARMS else {}
+        return Outcomes(
+            note=self._of_arm(name),
+            rows={name: bare(self._arm(name, seed, self._bench.site))},
+            lab=in_lab,
+            taught=[taught[name]],
+        )
 
     def _pace(self, person: str, course: Course) -> Pace:
         rounds = range(1, self._settings.rounds + 1)
@@ -129,10 +152,23 @@ class Run:
 
     # -- rounds
 
-    def _collect(self, courses: Courses, number: int) -> None:
-        tasks = tuple(self._bench.tasks())
+    def _courses(self, people: Sequence[str], seed: int) -> None:
+        """All rounds of these people's courses, but what is there of them."""
+        with ExitStack() as stack:
+            courses = {
+                person: stack.enter_context(closing(self._teaching.course(person, seed)))
+                for person in people
+            }
+            for course in courses.values():
+                course.found(self._base)
+            for number in range(1, self._settings.rounds + 1):
+                self._collect(courses, number)
+                self._train(courses, number)
+
+    def _collect(self, courses: Mapping[str, Course], number: int) -> None:
+        tasks, places = tuple(self._bench.tasks()), self._settings.places(number)
         work = {
-            person: course.missing(number, self._settings.places(number), tasks, PEOPLE[person])
+            person: course.missing(number, places, tasks, PEOPLE[person])
             for person, course in courses.items()
         }
         tell = self._bench.reporter(f"round {number}: episodes", sum(map(len, work.values())))
@@ -146,7 +182,7 @@ class Run:
                 course.add(watched)
                 tell()
 
-    def _train(self, courses: Courses, number: int) -> None:
+    def _train(self, courses: Mapping[str, Course], number: int) -> None:
         rounds = {
             person: round_
             for person, course in courses.items()
@@ -159,11 +195,9 @@ class Run:
             person = done.lesson.person
             courses[person].end(rounds[person], done.candidate)
 
-    def _arms(self, seed: int) -> list[Taught]:
-        """Train the arms that are not there yet."""
-        lessons = [
-            Lesson(ARMS[name].person, seed, 0, name) for name in self._settings.arms_of_people
-        ]
+    def _arms(self, names: list[str], seed: int) -> list[Taught]:
+        """Train these arms, from the courses that they learn from."""
+        lessons = [Lesson(ARMS[name].person, seed, 0, name) for name in names]
         # Not on what else is tried: a run at another scale goes on with what this one trained.
         apart = {"settings": {"people", "arms", "seeds"}}
         note = self._teaching.model_dump_json(exclude=apart)
@@ -174,15 +208,6 @@ class Run:
         return list(self._bench.told("arms", found, len(lessons)))
 
     # -- trials
-
-    def _everywhere(self, courses: Courses, seed: int) -> dict[str, list[Row]]:
-        rows = {}
-        for person, course in courses.items():
-            for number in self._settings.tried(person):
-                rows[f"{person}, round {number}"] = self._episodes(course, number)
-        for name in self._settings.arms_of_people:
-            rows[name] = self._arm(name, seed, self._bench.site)
-        return rows
 
     def _arm(self, name: str, seed: int, site: str) -> list[Row]:
         plan = self._bench.plan(high_level=str(self._teaching.arm(name, seed)), site=site)
@@ -215,7 +240,7 @@ class Run:
         found = []
         for seed in range(self._settings.seeds):
             name = f"flat-{seed}"
-            if seed < len(folders) or self._archive.file(name).exists():
+            if seed < len(folders) or self._archive.has(name):
                 make = partial(self._flat_of, folders, seed)
                 made = self._archive.get(name, self._note(), make)
                 found.append(made.rows["flat"])
@@ -236,6 +261,11 @@ class Run:
             low_level=str(folder),
             rollout=rollout.model_copy(update={"decision_steps": rollout.execute_steps}),
         )
+
+
+def _file(person: str, seed: int) -> str:
+    """The name of what came of a person's rounds."""
+    return f"{slug(person)}-{seed}"
 
 
 def flat_arms(folder: Path | None) -> list[Path]:

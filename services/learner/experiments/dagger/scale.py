@@ -52,6 +52,11 @@ class Arm(NamedTuple):
     episodes: float = 1.0
     replayed: int = 0
 
+    def told(self, recipe: Recipe) -> dict[str, object]:
+        """What it is trained by and on, as JSON values. recipe: of the rounds."""
+        told = {**self._asdict(), "recipe": self.recipe(recipe).model_dump(mode="json")}
+        return {name: value for name, value in told.items() if name != "title"}
+
 
 def _share(share: float) -> Callable[[Recipe], Recipe]:
     """Another share by as many updates, so that the share alone is compared."""
@@ -65,8 +70,10 @@ def _share(share: float) -> Callable[[Recipe], Recipe]:
     return changed
 
 
-def _unanchored(recipe: Recipe) -> Recipe:
-    return recipe.model_copy(update={"train": recipe.train.model_copy(update={"own_weights": 1.0})})
+def _trained(**changes: object) -> Callable[[Recipe], Recipe]:
+    return lambda recipe: recipe.model_copy(
+        update={"train": recipe.train.model_copy(update=changes)}
+    )
 
 
 def _labels(**changes: object) -> Callable[[Recipe], Recipe]:
@@ -86,7 +93,9 @@ ARMS: dict[str, Arm] = {
     "share-0.1": Arm("share .1", recipe=_share(0.1)),
     "share-0.3": Arm("share .3", recipe=_share(0.3)),
     "share-0.8": Arm("share .8", recipe=_share(0.8)),
-    "unanchored": Arm("weights not averaged with the base's", recipe=_unanchored),
+    "unanchored": Arm("weights not averaged with the base's", recipe=_trained(own_weights=1.0)),
+    "as-fast": Arm("what is behind the eyes learns as fast", recipe=_trained(mind_rate=1.0)),
+    "untoned": Arm("demonstrations replayed as they are", recipe=_trained(retoned=0.0)),
     "rehearsed": Arm("5,000 more demonstrations replayed", replayed=5000),
     "episodes-0.1": Arm("the first .1 of the episodes", episodes=0.1),
     "episodes-0.25": Arm("the first .25 of the episodes", episodes=0.25),
@@ -141,17 +150,7 @@ CORE = DaggerSettings(
     episodes=(40, 80, 80),
     seeds=3,
     people=(MAIN,),
-    arms=(
-        "together",
-        "shuffled",
-        "last",
-        "overrides",
-        "endorsements",
-        "lab",
-        "site",
-        "unanchored",
-        "rehearsed",
-    ),
+    arms=("together", "shuffled", "last", "overrides", "endorsements", "lab", "site"),
 )
 FULL = DaggerSettings(
     episodes=(40, 80, 80),
