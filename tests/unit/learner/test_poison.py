@@ -100,8 +100,7 @@ class School:
             self.store.add(episode(name, decisions=4, corrections=4), 1)
 
     def round(self, number: int, treat: Treatment | None = None, steps: int = 60) -> Candidate:
-        # Shades are easily seen: what there is to learn is behind the eyes.
-        train = {"steps": steps, "epochs": 0, "batch": 16, "correction_share": 0.8, "mind_rate": 1}
+        train = {"steps": steps, "epochs": 0, "batch": 16, "correction_share": 0.8}
         recipe = Recipe.model_validate({"train": train})
         marks = self.store.survey(Manifest()).marks
         manifest = Manifest(marks=marks, settings=recipe.model_dump(mode="json"))

@@ -119,7 +119,8 @@ class DaggerSettings(Settings):
     recipe: Recipe = Recipe(
         labels=LabelSettings(),
         balance=BalanceSettings(),
-        train=TrainSettings(threads=1),  # Each of the pool's processes has a core.
+        # Each of the pool's processes has a core.
+        train=TrainSettings(threads=1, mind_rate=0.1, retoned=0.5),
         gate=GateSettings(held_out_share=0.0),
     )
 
