@@ -102,6 +102,7 @@ def test_after_the_first_round_every_other_episode_is_left_alone_and_gone_throug
             assert labels[one.id].text == (verdict.text if wrong else one.executed.text)
             assert labels[one.id].ground is (Ground.RELABELLED if wrong else Ground.ENDORSED)
         assert any(judge(one, both).kind == "override" for one in decisions)
+        assert course.corrected_prompts(1) == {watched.prompt}  # Afterwards is spoken of it, too.
 
 
 def test_who_misses_mistakes_misses_them_afterwards_too() -> None:
@@ -301,8 +302,11 @@ def test_all_of_it_in_small_and_again_without_doing_anything_twice(
     assert [one.figures for one in published] == [figures]
     assert whole["arms"][f"{MAIN}, round 1"]["n"] == 2
     other = settings.model_copy(update={"episodes": (1, 3)})
+    (kept / "lab-0.json.gz").rename(tmp_path / "lab")
     with pytest.raises(HldError, match="move it away, or name another --out"):
         compare(elsewhere, other)
+    assert pool.jobs == done  # Before any work, although an arm is missing.
+    (tmp_path / "lab").rename(kept / "lab-0.json.gz")
     # An arm that is missing there is made from the same course, gone through once more.
     (kept / "shuffled-0.json.gz").unlink()
     assert compare(elsewhere, settings).figures == figures

@@ -212,9 +212,10 @@ class Course:
         return {str(age): ages[age] for age in sorted(ages)}
 
     def corrected_prompts(self, round_: int) -> frozenset[str]:
-        """The prompts of episodes in which something was said, up to a round."""
+        """The prompts of episodes in which a mistake was spoken of, up to a round."""
         history = self.store.history(self.store.rounds()[round_ - 1].manifest)
-        spoken = {one.episode for one in history.corrections if one.kind is Kind.OVERRIDE}
+        mistakes = (Kind.OVERRIDE, Kind.RELABEL)
+        spoken = {one.episode for one in history.corrections if one.kind in mistakes}
         return frozenset(one.prompt for one in history.episodes if one.id in spoken)
 
 

@@ -70,9 +70,14 @@ class Archive:
         """Where outcomes of this name lie."""
         return self._folder / f"{name}.json.gz"
 
-    def has(self, name: str) -> bool:
-        """Whether they are there."""
-        return self.file(name).exists()
+    def has(self, name: str, note: str) -> bool:
+        """Whether they are there.
+
+        Raises:
+            HldError: as `get`.
+        """
+        file = self.file(name)
+        return file.exists() and bool(self._read(file, note))
 
     def get(self, name: str, note: str, make: Callable[[], Outcomes]) -> Outcomes:
         """Those that are there, else those that are made now and kept.

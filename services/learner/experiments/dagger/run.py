@@ -95,17 +95,16 @@ class Run:
     def _seed(self, seed: int) -> Outcomes:
         """All rounds and arms of one training seed, of which each is kept by itself."""
         people, names = self._settings.people, self._settings.arms_of_people
-        arms = [name for name in names if not self._archive.has(f"{name}-{seed}")]
+        # What is there is held against its note first: before hours of work, not after.
+        arms = [
+            name for name in names if not self._archive.has(f"{name}-{seed}", self._of_arm(name))
+        ]
+        new = [
+            one for one in people if not self._archive.has(_file(one, seed), self._of_course(one))
+        ]
         # What arms learn from is there, also where its own outcomes came from elsewhere.
         learned_from = {ARMS[name].person for name in arms}
-        self._courses(
-            [
-                one
-                for one in people
-                if one in learned_from or not self._archive.has(_file(one, seed))
-            ],
-            seed,
-        )
+        self._courses([one for one in people if one in learned_from or one in new], seed)
         found = [
             self._archive.get(
                 _file(person, seed), self._of_course(person), partial(self._rounds, person, seed)
@@ -240,7 +239,7 @@ class Run:
         found = []
         for seed in range(self._settings.seeds):
             name = f"flat-{seed}"
-            if seed < len(folders) or self._archive.has(name):
+            if seed < len(folders) or self._archive.has(name, self._note()):
                 make = partial(self._flat_of, folders, seed)
                 made = self._archive.get(name, self._note(), make)
                 found.append(made.rows["flat"])
