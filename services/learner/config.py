@@ -37,8 +37,8 @@ class TrainSettings(Settings):
     batch: Annotated[int, Field(ge=2, le=4096)] = 64
     lr: Annotated[float, Field(gt=0, le=1)] = 1e-3
     frozen_encoder: bool = False
-    mind_rate: Annotated[float, Field(gt=0, le=1)] = 1.0
-    retoned: Annotated[float, Field(ge=0, le=1)] = 0.0
+    mind_rate: Annotated[float, Field(gt=0, le=1)] = 0.1
+    retoned: Annotated[float, Field(ge=0, le=1)] = 0.5
     correction_share: Annotated[float, Field(gt=0, lt=1)] = 0.5
     own_weights: Annotated[float, Field(gt=0, le=1)] = 0.8
     threads: Annotated[int, Field(ge=1)] = 2

@@ -4,24 +4,16 @@ First by what it says: agreement with what people said, and with what was demons
 there is a simulator, by what it does (`trials.py`). By setting, one robot goes first (`canary.py`).
 """
 
-import hashlib
-from collections import Counter
-from collections.abc import Sequence
 from typing import Annotated, Any, Literal, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field
 
 from services.learner.canary import CanarySettings
-from services.learner.labels.aggregate import Label
 from services.learner.trials import Trials, TrialSettings, compare
 from shared.config import Settings
 from shared.errors import RefusedError
 from shared.messages.policy import PolicyAnnouncement, TensorRef
 
-FEW = 3
-"""Episodes of which one is held out: of fewer, too little would be left to learn from."""
 ADVICE = (
     "corrections go on being gathered, and a round with more corrected episodes judges; to let it "
     "out all the same, promote it, or set gate.unjudged=let-out"
@@ -33,10 +25,13 @@ class GateSettings(Settings):
 
     held_out_share: of the corrected episodes, those that no round trains on; chosen by their
         ids, so that they stay the same ones. at_least: labels among them, below which their
-        agreement says too little to be judged by; a small round holds out more for it, see `split`.
+        agreement says too little to be judged by; a small round holds out more for it, see
+        `held_out.split`.
     unjudged: what becomes of a candidate that so few labels can't judge, where no `trials` do:
         refuse: it stays here, and a later round has more to judge by; let-out: it goes out.
     max_fall: by which the agreement with them may fall, against the version in force.
+    fall_chance: a greater fall is borne as well where `Figures.p_fall` is above this: labels of one
+        episode fall together, and few episodes scatter.
     chance: a version in force that is wrong about most of them has to be bettered, with McNemar's p
         at most this, where no `trials` show what it does: what learned nothing where people spoke
         agrees no less. 1: it need not be.
@@ -49,6 +44,7 @@ class GateSettings(Settings):
     at_least: Annotated[int, Field(ge=1)] = 20
     unjudged: Literal["refuse", "let-out"] = "refuse"
     max_fall: Annotated[float, Field(ge=0, le=1)] = 0.05
+    fall_chance: Annotated[float, Field(gt=0, le=1)] = 0.2
     chance: Annotated[float, Field(gt=0, le=1)] = 0.05
     retained: Annotated[int, Field(ge=0, le=10_000)] = 200
     max_forgotten: Annotated[float, Field(ge=0, le=1)] = 0.1
@@ -63,6 +59,8 @@ class Figures(BaseModel):
     labels_sha256: over all of both, so that a rebuilt data set can be held against it.
     before, after: share of the held-out labels that the version in force and the candidate
         propose first, in whatever words; None where nothing was held out. p: McNemar's, of both.
+    p_fall: how probable it is that they fall so much by chance, episode by episode; None: of fewer
+        than `held_out.TELLING` episodes none can tell.
     retained: demonstrated decisions that were kept aside; retained_before, retained_after: the
         share of them that both propose rightly.
     unread: phrases that people said of the past and that the low level understands no command in;
@@ -82,6 +80,7 @@ class Figures(BaseModel):
     before: float | None = None
     after: float | None = None
     p: float | None = None
+    p_fall: float | None = None
     retained: int = 0
     retained_before: float | None = None
     retained_after: float | None = None
@@ -203,8 +202,14 @@ class LabelGate:
 
     def _worse(self, figures: Figures) -> str:
         """Why it agrees too little with what people said; "" if it doesn't."""
+        p, borne = figures.p_fall, self._settings.fall_chance
         fall = figures.before, figures.after, self._settings.max_fall
-        return _fallen(f"{figures.held_out} held-out labels", *fall) or self._no_better(figures)
+        fallen = _fallen(f"{figures.held_out} held-out labels", *fall)
+        if not fallen or (p is not None and p > borne):
+            return self._no_better(figures)
+        if p is None:
+            return fallen
+        return f"{fallen}, or what chance explains (p = {p:.3f}; gate.fall_chance={borne})"
 
     def _no_better(self, figures: Figures) -> str:
         """Why it has learned too little, where there was most to learn; "" if it has enough."""
@@ -234,40 +239,3 @@ def _fallen(what: str, before: float | None, after: float | None, allowed: float
         f"it agrees with {after:.3f} of {what}, the version in force with {before:.3f}; "
         f"{allowed} less is allowed"
     )
-
-
-def keep_aside(count: int, retained: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Rows of so many demonstrations that are replayed, and those kept aside; always the same.
-
-    At least half of them are replayed.
-    """
-    rows = np.random.default_rng(0).permutation(count)
-    aside = min(retained, count // 2)
-    return np.sort(rows[aside:]), np.sort(rows[:aside])
-
-
-def split(
-    labels: Sequence[Label], share: float, at_least: int = 0
-) -> tuple[list[Label], list[Label]]:
-    """Labels to train on, and those to hold out: whole episodes, the same ones in every round.
-
-    at_least: where chance holds out fewer labels, the next episodes by lot are, too, but no more
-        than a fifth of all, or one of three or four: an early round is small, and would not be
-        judged. A later round that is still so small may hold out an episode that an earlier one
-        learned from.
-    """
-    counts = Counter(label.episode for label in labels)
-    lots = {episode: _lot(episode) for episode in counts}
-    out = {episode for episode, lot in lots.items() if lot < share}
-    most = max(len(lots) // 5, int(len(lots) >= FEW)) if share else 0
-    for episode in sorted(lots, key=lots.__getitem__)[:most]:
-        if sum(counts[one] for one in out) >= at_least:
-            break
-        out.add(episode)
-    kept = [label for label in labels if label.episode not in out]
-    return kept, [label for label in labels if label.episode in out]
-
-
-def _lot(episode: str) -> float:
-    """A number in [0, 1) that an episode draws once and for all."""
-    return int.from_bytes(hashlib.sha256(episode.encode()).digest()[:6]) / 2**48

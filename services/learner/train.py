@@ -19,7 +19,8 @@ import torch
 from services.learner.anchor import anchor
 from services.learner.code import code_version
 from services.learner.config import Recipe, TrainSettings
-from services.learner.gate import Candidate, Figures, keep_aside, split
+from services.learner.descent import descent
+from services.learner.gate import Candidate, Figures
 from services.learner.gather import (
     agreed,
     gather,
@@ -29,13 +30,14 @@ from services.learner.gather import (
     renew,
     unread,
 )
+from services.learner.held_out import fall_by_chance, keep_aside, split
 from services.learner.labels.aggregate import Label, derive, sha256_labels
 from services.learner.labels.balance import balance
 from services.learner.labels.spell import spelling
 from services.learner.process import Job, Report
 from services.learner.rounds import check_sources
 from services.learner.store.sql import SqlStore
-from services.learner.store.store import PolicyRecord, Round, Store
+from services.learner.store.store import History, PolicyRecord, Round, Store
 from services.learner.store.tensors import TensorFiles
 from services.learner.trials import policy_sha256
 from shared.errors import HldError, PolicyError
@@ -84,7 +86,8 @@ def fine_tune(
     unknown = unread(labels, first.bank, meaning)
     asked = meant(spelling(history.rulings), first.bank, meaning)
     obeyed = [label for label in labels if label.text not in unknown]
-    kept, held_out = split(obeyed, recipe.gate.held_out_share, recipe.gate.at_least)
+    taught = _taught(store, history, in_force)
+    kept, held_out = split(obeyed, recipe.gate.held_out_share, recipe.gate.at_least, taught)
     replayed, aside = keep_aside(len(demonstrations), recipe.gate.retained)
     retained = demonstrations.take(aside)
     policy = open_version(in_force, files)
@@ -116,6 +119,7 @@ def fine_tune(
         before=_share(before),
         after=_share(after),
         p=round(mcnemar(after, before), 4) if held_out else None,
+        p_fall=fall_by_chance(held_out, before, after),
         retained=len(retained),
         retained_before=knew,
         retained_after=known(policy, retained),
@@ -130,6 +134,13 @@ def fine_tune(
         learned=_corrections(learned),
         held_out=_corrections(held_out),
     )
+
+
+def _taught(store: Store, history: History, version: PolicyRecord) -> frozenset[str]:
+    """The episodes of which a version learned anything that people said."""
+    round_ = descent(version, store).round
+    learned = frozenset(((round_ and round_.candidate) or {}).get("learned", ()))
+    return frozenset(one.episode for one in history.corrections if one.id in learned)
 
 
 def _share(right: Sequence[bool]) -> float | None:

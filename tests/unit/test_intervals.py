@@ -1,11 +1,13 @@
 """Intervals and paired tests, held against figures of textbooks and against each other."""
 
+import itertools
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shared.intervals import mcnemar, paired_difference, rate, seeds_difference, wilson
+from shared.intervals import flipped, mcnemar, paired_difference, rate, seeds_difference, wilson
 
 OUTCOMES = st.lists(st.tuples(st.booleans(), st.booleans()), min_size=1, max_size=60)
 
@@ -33,6 +35,13 @@ def test_mcnemar_is_exact_over_the_pairs_that_differ(only_first, only_second, p)
     pairs = [(True, False)] * only_first + [(False, True)] * only_second + [(True, True)] * 7
     first, second = zip(*pairs, strict=True)
     assert mcnemar(first, second) == pytest.approx(p, abs=1e-6)
+
+
+@given(st.lists(st.integers(-6, 6), max_size=8))
+def test_flipped_is_exact_over_all_signs(gaps):
+    sums = [sum(signed) for signed in itertools.product(*((-gap, gap) for gap in gaps))]
+    expected = sum(one <= sum(gaps) for one in sums) / len(sums)
+    assert flipped(gaps) == pytest.approx(expected)
 
 
 @given(OUTCOMES)

@@ -3,7 +3,8 @@
 import pytest
 
 from services.learner.config import LearnerSettings
-from services.learner.gate import Candidate, Figures, GateSettings, LabelGate, keep_aside, split
+from services.learner.gate import Candidate, Figures, GateSettings, LabelGate
+from services.learner.held_out import fall_by_chance, keep_aside, split
 from services.learner.labels.aggregate import Ground, Label
 from services.learner.trials import TrialSettings
 from shared.config import load
@@ -155,3 +156,34 @@ def test_a_small_round_holds_out_enough_to_be_judged_by_but_a_fifth_of_its_episo
 def test_a_first_round_of_few_episodes_holds_one_out(few: int, held_out: int) -> None:
     _, out = split(labels(few), 1e-9, at_least=20)
     assert len({label.episode for label in out}) == held_out
+
+
+@pytest.mark.parametrize(("p_fall", "passed"), [(None, False), (0.2, False), (0.21, True)])
+def test_a_fall_that_chance_explains_by_episode_is_borne(
+    p_fall: float | None, passed: bool
+) -> None:
+    figures = candidate(before=0.93, after=0.87).figures.model_copy(update={"p_fall": p_fall})
+    verdict = GATE.judge(candidate().model_copy(update={"figures": figures}))
+    assert verdict.passed is passed
+    assert ("gate.fall_chance=0.2" in verdict.reason) is (p_fall == 0.2)
+
+
+def test_labels_of_one_episode_fall_as_one() -> None:
+    three = labels(3)  # Three of each.
+    knew, one_worse = [True] * 9, [False] * 3 + [True] * 6
+    assert fall_by_chance(three, knew, one_worse) == 0.5
+    assert fall_by_chance(three, knew, [False] * 9) == 0.125
+    assert fall_by_chance(three, knew, knew) == 1.0
+    assert fall_by_chance(three, [False] * 9, knew) == 1.0
+    assert fall_by_chance(labels(2), [True] * 6, [False] * 6) is None
+
+
+def test_of_a_small_round_what_the_version_in_force_never_learned_is_held_out_first() -> None:
+    _, before = split(labels(10), 1e-9, at_least=6)
+    taught = {f"e-{number}" for number in range(10)} - {label.episode for label in before}
+    kept, out = split(labels(20), 1e-9, at_least=12, learned=taught)
+    assert len({label.episode for label in out}) == 4
+    assert {label.episode for label in out}.isdisjoint(taught)
+    assert {label.episode for label in kept} >= taught
+    _, all_taught = split(labels(10), 1e-9, at_least=6, learned={f"e-{n}" for n in range(10)})
+    assert all_taught == before

@@ -101,6 +101,7 @@ class School:
 
     def round(self, number: int, treat: Treatment | None = None, steps: int = 60) -> Candidate:
         train = {"steps": steps, "epochs": 0, "batch": 16, "correction_share": 0.8}
+        train["mind_rate"] = 1.0  # With so few updates.
         recipe = Recipe.model_validate({"train": train})
         marks = self.store.survey(Manifest()).marks
         manifest = Manifest(marks=marks, settings=recipe.model_dump(mode="json"))
@@ -117,7 +118,10 @@ class School:
             treat=treat,
             meaning=self._means.get,
         )
-        ended = round_.model_copy(update={"state": RoundState.PASSED, "made": number})
+        told = made.model_dump(mode="json")
+        ended = round_.model_copy(
+            update={"state": RoundState.PASSED, "made": number, "candidate": told}
+        )
         self.store.end(ended, self._record(number, made))
         return made
 

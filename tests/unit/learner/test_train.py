@@ -11,8 +11,9 @@ from services.learner.build import origin
 from services.learner.code import code_version
 from services.learner.config import Recipe, TrainSettings
 from services.learner.frozen import FrozenLowLevel
-from services.learner.gate import Candidate, keep_aside
+from services.learner.gate import Candidate
 from services.learner.gather import gather, open_version, renew
+from services.learner.held_out import keep_aside
 from services.learner.labels.aggregate import Ground, Label, LabelSettings, derive
 from services.learner.store.memory import MemoryStore
 from services.learner.store.store import Manifest, Round, RoundState
@@ -298,6 +299,22 @@ def test_held_out_episodes_are_judged_and_not_learned_from(workshop: Workshop) -
     assert figures.held_out > 0
     assert figures.before is not None
     assert figures.after is not None
+
+
+def test_a_version_in_force_is_not_judged_by_what_it_was_taught(workshop: Workshop) -> None:
+    for number in range(10):
+        workshop.happens(f"e-{number}", HAM)
+    first = workshop.train(workshop.round())
+    record = workshop.base.model_copy(update={"number": 1, "tensors": first.tensors})
+    told = {"state": RoundState.PASSED, "made": 1, "candidate": first.model_dump(mode="json")}
+    workshop.store.begin(workshop.round())
+    workshop.store.end(workshop.round().model_copy(update=told), record)
+    for number in range(10, 40):
+        workshop.happens(f"e-{number}", HAM)
+    second = workshop.train(workshop.round(parent=1))
+    assert (len(first.learned), len(second.held_out)) == (8, 8)  # A fifth of the episodes.
+    assert set(second.held_out).isdisjoint(first.learned)
+    assert second.figures.p_fall is not None
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from services.learner.experiments.bench import Bench
 from services.learner.experiments.dagger.course import Course
 from services.learner.experiments.dagger.kept import Archive, BySeed, Outcomes, Pace, bare, joined
 from services.learner.experiments.dagger.lessons import Lesson, Taught, Teacher, Teaching, slug
-from services.learner.experiments.dagger.scale import ARMS, MAIN, PEOPLE, DaggerSettings
+from services.learner.experiments.dagger.scale import ARMS, MAIN, PEOPLE, DaggerSettings, trained_by
 from services.learner.experiments.dagger.watching import Live, Shift, Watcher
 from shared.evaluation.attempts import Row
 from shared.evaluation.plan import ORACLE, Case
@@ -76,7 +76,10 @@ class Run:
 
     def _of_course(self, person: str, **more: object) -> str:
         """The same of what a person's rounds made."""
-        settings = self._settings.model_dump(mode="json", include={"episodes", "recipe"})
+        settings = {
+            "episodes": self._settings.episodes,
+            "recipe": trained_by(self._settings.recipe),
+        }
         return self._note(settings=settings, watched=PEOPLE[person].model_dump(mode="json"), **more)
 
     def _of_arm(self, name: str) -> str:

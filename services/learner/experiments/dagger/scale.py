@@ -54,8 +54,17 @@ class Arm(NamedTuple):
 
     def told(self, recipe: Recipe) -> dict[str, object]:
         """What it is trained by and on, as JSON values. recipe: of the rounds."""
-        told = {**self._asdict(), "recipe": self.recipe(recipe).model_dump(mode="json")}
+        told = {**self._asdict(), "recipe": trained_by(self.recipe(recipe))}
         return {name: value for name, value in told.items() if name != "title"}
+
+
+KEPT_ASIDE = {"held_out_share", "at_least", "retained"}
+
+
+def trained_by(recipe: Recipe) -> dict[str, object]:
+    """What weights hang on, as JSON values: what a gate would say of them is no part of it."""
+    told = recipe.model_dump(mode="json", exclude={"gate"})
+    return {**told, "gate": recipe.gate.model_dump(include=KEPT_ASIDE)}
 
 
 def _share(share: float) -> Callable[[Recipe], Recipe]:
@@ -120,7 +129,7 @@ class DaggerSettings(Settings):
         labels=LabelSettings(),
         balance=BalanceSettings(),
         # Each of the pool's processes has a core.
-        train=TrainSettings(threads=1, mind_rate=0.1, retoned=0.5),
+        train=TrainSettings(threads=1),
         gate=GateSettings(held_out_share=0.0),
     )
 
