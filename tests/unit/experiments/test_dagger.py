@@ -319,6 +319,10 @@ def test_all_of_it_in_small_and_again_without_doing_anything_twice(
     shutil.rmtree(tmp_path / "outcomes")
     compare(bench, settings.model_copy(update={"arms": ("shuffled", "lab")}))
     assert pool.jobs == done
+    # What was collected under other settings isn't gone on with, finished or not.
+    shutil.rmtree(tmp_path / "elsewhere" / "outcomes")
+    with pytest.raises(HldError, match="corrected-0 comes from other settings"):
+        compare(elsewhere, other)
 
 
 def test_a_share_is_compared_at_as_many_updates() -> None:

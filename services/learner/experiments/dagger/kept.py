@@ -102,11 +102,32 @@ class Archive:
         except (OSError, EOFError, zlib.error, ValidationError) as error:
             raise HldError(f"{file} holds no outcomes ({error}): move it away") from None
         if found.note != note:
-            raise HldError(
-                f"{file} comes from other settings, scenes or policies than these: move it away, "
-                "or name another --out"
-            )
+            raise _other(file)
         return found
+
+
+def claim(folder: Path, note: str) -> None:
+    """Begin in a folder, or go on there. note: what its contents hang on.
+
+    Raises:
+        HldError: what is there hangs on something else.
+    """
+    file = folder / "note.json"
+    if file.exists():
+        if file.read_text() != note:
+            raise _other(folder)
+        return
+    folder.mkdir(parents=True, exist_ok=True)
+    beside = file.with_name("unfinished-note.json")
+    beside.write_text(note)
+    beside.replace(file)
+
+
+def _other(what: Path) -> HldError:
+    return HldError(
+        f"{what} comes from other settings, scenes or policies than these: move it away, or name "
+        "another --out"
+    )
 
 
 def bare(rows: list[Row]) -> list[Row]:

@@ -44,9 +44,13 @@ class Teaching(Settings):
     low_level_sha256: str
     site: str
 
+    def folder(self, person: str, seed: int) -> Path:
+        """Where the course of a person and a training seed is kept."""
+        return self.out / f"{slug(person)}-{seed}"
+
     def course(self, person: str, seed: int) -> Course:
-        """The course of a person and a training seed."""
-        return Course(self.out / f"{slug(person)}-{seed}", self.low_level_sha256, seed)
+        """That course."""
+        return Course(self.folder(person, seed), self.low_level_sha256, seed)
 
     def arm(self, name: str, seed: int) -> Path:
         """Folder of the checkpoint of an arm."""

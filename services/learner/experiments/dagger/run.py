@@ -1,6 +1,5 @@
 """Runs the courses, the arms beside them, and tries every version on the same scenes."""
 
-import json
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack, closing
 from functools import partial
@@ -10,9 +9,18 @@ from typing import NamedTuple
 from services.learner.baselines.policy import ArmPlan, evaluator
 from services.learner.experiments.bench import Bench
 from services.learner.experiments.dagger.course import Course
-from services.learner.experiments.dagger.kept import Archive, BySeed, Outcomes, Pace, bare, joined
+from services.learner.experiments.dagger.kept import (
+    Archive,
+    BySeed,
+    Outcomes,
+    Pace,
+    bare,
+    claim,
+    joined,
+)
 from services.learner.experiments.dagger.lessons import Lesson, Taught, Teacher, Teaching, slug
-from services.learner.experiments.dagger.scale import ARMS, MAIN, PEOPLE, DaggerSettings, trained_by
+from services.learner.experiments.dagger.notes import Notes
+from services.learner.experiments.dagger.scale import ARMS, MAIN, PEOPLE, DaggerSettings
 from services.learner.experiments.dagger.watching import Live, Shift, Watcher
 from shared.evaluation.attempts import Row
 from shared.evaluation.plan import ORACLE, Case
@@ -46,13 +54,14 @@ class Run:
     def __init__(self, bench: Bench, teaching: Teaching) -> None:
         self._bench, self._teaching = bench, teaching
         self._settings = teaching.settings
+        self._notes = Notes(bench, teaching.settings)
         high_level = bench.plan(high_level=bench.high_level).high_level_folder()
         self._base: Path | None = None if bench.high_level == "base" else high_level
         self._archive = Archive(bench.out / "outcomes" / bench.site)
 
     def go(self) -> Tried:
         """Do what is missing, and tell all."""
-        untrained = self._archive.get("untrained", self._note(), self._untrained)
+        untrained = self._archive.get("untrained", self._notes.untrained(), self._untrained)
         each = [self._seed(seed) for seed in range(self._settings.seeds)]
         rows = {name: [some] for name, some in untrained.rows.items()}
         rows |= {name: [one.rows[name] for one in each] for name in each[0].rows}
@@ -67,30 +76,11 @@ class Run:
             taught=[taught for one in each for taught in one.taught],
         )
 
-    def _note(self, **more: object) -> str:
-        """What outcomes hang on. more: than robots, scenes, and who corrects live."""
-        plan = self._bench.plan(high_level=self._bench.high_level)
-        told = {"plan": json.loads(plan.note()), "seeds": self._bench.seeds}
-        told["person"] = PEOPLE[MAIN].model_dump(mode="json", exclude={"review_every"})
-        return json.dumps({**told, **more}, sort_keys=True)
-
-    def _of_course(self, person: str, **more: object) -> str:
-        """The same of what a person's rounds made."""
-        settings = {
-            "episodes": self._settings.episodes,
-            "recipe": trained_by(self._settings.recipe),
-        }
-        return self._note(settings=settings, watched=PEOPLE[person].model_dump(mode="json"), **more)
-
-    def _of_arm(self, name: str) -> str:
-        """The same of an arm."""
-        return self._of_course(ARMS[name].person, arm=ARMS[name].told(self._settings.recipe))
-
     def _untrained(self) -> Outcomes:
         """What is the same for each training seed."""
         rows = {"base": self._plain("base"), "oracle": self._plain(ORACLE), "live": self._live()}
         return Outcomes(
-            note=self._note(),
+            note=self._notes.untrained(),
             rows={name: bare(some) for name, some in rows.items()},
             lab={"base": bare(self._plain("base", LAB))},
         )
@@ -100,24 +90,26 @@ class Run:
         people, names = self._settings.people, self._settings.arms_of_people
         # What is there is held against its note first: before hours of work, not after.
         arms = [
-            name for name in names if not self._archive.has(f"{name}-{seed}", self._of_arm(name))
+            name for name in names if not self._archive.has(f"{name}-{seed}", self._notes.arm(name))
         ]
         new = [
-            one for one in people if not self._archive.has(_file(one, seed), self._of_course(one))
+            one
+            for one in people
+            if not self._archive.has(_file(one, seed), self._notes.rounds(one))
         ]
         # What arms learn from is there, also where its own outcomes came from elsewhere.
         learned_from = {ARMS[name].person for name in arms}
         self._courses([one for one in people if one in learned_from or one in new], seed)
         found = [
             self._archive.get(
-                _file(person, seed), self._of_course(person), partial(self._rounds, person, seed)
+                _file(person, seed), self._notes.rounds(person), partial(self._rounds, person, seed)
             )
             for person in people
         ]
         taught = {one.lesson.arm: one for one in self._arms(arms, seed)}
         for name in names:
             make = partial(self._arm_tried, name, seed, taught)
-            found.append(self._archive.get(f"{name}-{seed}", self._of_arm(name), make))
+            found.append(self._archive.get(f"{name}-{seed}", self._notes.arm(name), make))
         return joined(found)
 
     def _rounds(self, person: str, seed: int) -> Outcomes:
@@ -130,7 +122,7 @@ class Run:
             }
             main = person == MAIN
             return Outcomes(
-                note=self._of_course(person),
+                note=self._notes.rounds(person),
                 rows=rows,
                 lab={"last": bare(self._episodes(course, last, LAB))} if main else {},
                 paces=[self._pace(person, course)],
@@ -141,7 +133,7 @@ class Run:
         """What came of one arm."""
         in_lab = {name: bare(self._arm(name, seed, LAB))} if name in LAB_ARMS else {}
         return Outcomes(
-            note=self._of_arm(name),
+            note=self._notes.arm(name),
             rows={name: bare(self._arm(name, seed, self._bench.site))},
             lab=in_lab,
             taught=[taught[name]],
@@ -156,6 +148,8 @@ class Run:
 
     def _courses(self, people: Sequence[str], seed: int) -> None:
         """All rounds of these people's courses, but what is there of them."""
+        for person in people:
+            claim(self._teaching.folder(person, seed), self._notes.course(person))
         with ExitStack() as stack:
             courses = {
                 person: stack.enter_context(closing(self._teaching.course(person, seed)))
@@ -242,16 +236,16 @@ class Run:
         found = []
         for seed in range(self._settings.seeds):
             name = f"flat-{seed}"
-            if seed < len(folders) or self._archive.has(name, self._note()):
+            if seed < len(folders) or self._archive.has(name, self._notes.untrained()):
                 make = partial(self._flat_of, folders, seed)
-                made = self._archive.get(name, self._note(), make)
+                made = self._archive.get(name, self._notes.untrained(), make)
                 found.append(made.rows["flat"])
         return found
 
     def _flat_of(self, folders: list[Path], seed: int) -> Outcomes:
         plan = self._flat_plan(folders[seed])
         rows = self._bench.episodes(f"{self._bench.site}-flat-{seed}", plan, evaluator)
-        return Outcomes(note=self._note(), rows={"flat": bare(rows)})
+        return Outcomes(note=self._notes.untrained(), rows={"flat": bare(rows)})
 
     def _flat_plan(self, folder: Path) -> ArmPlan:
         rollout = RolloutSettings()
