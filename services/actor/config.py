@@ -46,8 +46,8 @@ class HelpSettings(Settings):
     measure: what doubt is reckoned from: the entropy of the scores, or the margin of the best two.
     threshold: the doubt, up to 1, from which on it calls; None: never out of doubt.
     calm: share of the threshold below which it is sure again, and takes its call back.
-    stuck_steps: control steps of one command of which nothing comes, after which it calls; 0:
-        never.
+    stuck_steps: control steps of one command of which nothing comes, or of a circle of two, after
+        which it calls; 0: never.
     pause_steps: control steps from the end of one call to the next one at the soonest.
     wait_s: how long it stands still until somebody answers, at most; 0: it goes on at once.
     per_hour: calls of one robot within any hour, over restarts, too; 0: no limit.

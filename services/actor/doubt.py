@@ -18,6 +18,9 @@ from shared.messages.decision import Choice, Decision
 from shared.messages.goal import Goal
 from shared.messages.help import Help, Reason
 
+RETURNS = 4
+"""How often in turn a robot goes back to the command before, until it goes round in a circle."""
+
 
 def doubt_of(decision: Decision, measure: Reason) -> float:
     """How much a decision is in doubt, 0 to 1; 0 where a person's word holds, whose it then is."""
@@ -42,6 +45,10 @@ class Doubt:
         self._since = 0  # The step at which the command in force began, or was done, or was told.
         self._excused = False  # That it is done was an excuse once.
         self._rested_step = 0
+        self._before: Goal | None = None  # The command before this one.
+        self._begun = 0
+        self._returns = 0
+        self._circle_begun = 0  # When the first of two commands in turn began.
 
     def look(
         self, decision: Decision, achieved: Callable[[], bool], may_call: Callable[[], bool]
@@ -54,7 +61,7 @@ class Doubt:
         """
         same = decision.executed == self._command
         if not same:
-            self._command, self._since, self._excused = decision.executed, decision.step, False
+            self._change(decision.executed, decision.step)
         doubt = doubt_of(decision, self._measure)
         if self.call:
             if self._lasts(doubt, same):
@@ -77,6 +84,15 @@ class Doubt:
         self.call = None
         self._rested_step = step + self._settings.pause_steps
         self._since = step
+        self._returns, self._circle_begun = 0, step
+
+    def _change(self, command: Goal | None, step: int) -> None:
+        if command is not None and command == self._before:
+            self._returns += 1
+        else:
+            self._returns, self._circle_begun = 0, self._begun
+        self._before, self._command = self._command, command
+        self._begun, self._since, self._excused = step, step, False
 
     def _reason(
         self, decision: Decision, doubt: float, achieved: Callable[[], bool]
@@ -90,22 +106,30 @@ class Doubt:
         """Whether the reason of the open call is one still."""
         assert self.call is not None
         if self.call.reason is Reason.STUCK:
-            return same
+            return same or self._circles()
         return doubt >= self._settings.calm * (self._settings.threshold or 0.0)
 
     def _stuck(self, step: int, achieved: Callable[[], bool]) -> bool:
-        """One command for long, and nothing comes of it.
+        """One command for long, and nothing comes of it; or two in turn, again and again.
 
         That it is done excuses it once, as the high level may need a moment to see it; who still
         wants the same thing after as long again is stuck, too.
         """
         patience_steps = self._settings.stuck_steps
-        if not patience_steps or step - self._since < patience_steps:
+        if not patience_steps:
+            return False
+        if self._circles() and step - self._circle_begun >= patience_steps:
+            return True
+        if step - self._since < patience_steps:
             return False
         if not self._excused and achieved():
             self._since, self._excused = step, True
             return False
         return True
+
+    def _circles(self) -> bool:
+        """Back and forth between two commands, done or not, since nothing new comes of it."""
+        return self._returns >= RETURNS
 
     def _tell(self, **changes: Any) -> Help:
         assert self.call is not None

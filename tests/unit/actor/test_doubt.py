@@ -129,9 +129,34 @@ def test_after_an_answer_it_takes_as_long_again_to_be_stuck():
 
 def test_commands_that_change_in_time_are_no_reason_to_call():
     doubt = doubting(stuck_steps=100)
-    names = itertools.cycle(["left", "right"])
+    names = itertools.cycle(["left", "right", "ahead"])
     steps = range(0, 1000, 80)
     assert all(look(doubt, decision(step, executed=next(names))) is None for step in steps)
+
+
+def test_two_commands_in_turn_again_and_again_are_a_reason_to_call():
+    doubt, names = doubting(stuck_steps=100), itertools.cycle(["pick it up", "put it down"])
+    steps = range(0, 1000, 80)
+    calls = [look(doubt, decision(step, executed=next(names)), achieved=True) for step in steps]
+    assert [call is not None for call in calls] == [False] * 5 + [True] * 8
+    assert {(call.decision, call.reason) for call in calls[5:]} == {("ep-1-400", Reason.STUCK)}
+    assert look(doubt, decision(1040, executed="wait")) is None
+    doubt.close(1040)
+    again = [look(doubt, decision(step, executed=next(names))) for step in range(1120, 1600, 80)]
+    assert [call is not None for call in again] == [False] * 5 + [True]
+
+
+def test_another_command_breaks_the_circle():
+    doubt, names = doubting(stuck_steps=100), itertools.cycle(["left", "right", "left", "ahead"])
+    steps = range(0, 2000, 80)
+    assert all(look(doubt, decision(step, executed=next(names))) is None for step in steps)
+
+
+def test_a_flicker_between_two_commands_has_as_long_as_one_command():
+    doubt, names = doubting(stuck_steps=300), itertools.cycle(["left", "right"])
+    calls = [look(doubt, decision(step, executed=next(names))) for step in range(0, 400, 20)]
+    first = next(call for call in calls if call)
+    assert first.step == 300
 
 
 def test_without_a_budget_it_does_not_call_and_without_a_reason_none_is_spent():
