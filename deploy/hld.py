@@ -55,9 +55,8 @@ def up(
     episodes: Annotated[int, typer.Option(min=0, help="episodes a round; 0: by corrections")] = 0,
     evaluate: Annotated[int, typer.Option(min=0, help="evaluation episodes a version")] = 0,
     gate: Annotated[
-        Optional[int],
-        typer.Option(min=0, help="pairs in which a candidate is tried; 20 with the oracle, else 0"),
-    ] = None,
+        int, typer.Option(min=0, help="scenes in which a candidate is tried; 0: labels judge alone")
+    ] = 20,
     report: Annotated[
         Optional[Path], typer.Option(dir_okay=False, help="write the figures here, as JSON")
     ] = None,
@@ -83,7 +82,7 @@ def up(
         rounds=rounds,
         episodes=episodes,
         evaluate=evaluate,
-        gate=(20 if oracle else 0) if gate is None else gate,
+        gate=gate,
         report=report,
         site=site,
         tasks=tuple(tasks.split(",")) if tasks else tuple(TASKS),

@@ -24,6 +24,7 @@ from shared.workcell.tasks import task_named
 POLL_S = 0.5
 INTERRUPTED = 130  # As a shell says of Ctrl-C.
 PERSONS_STEPS = 3000  # A person gets 60 s an episode in real time, unless they set another limit.
+YIELD = 5  # Of who tries candidates beside robots that have to keep time.
 PERSONS_HELP = {  # In real time robots say when they are in doubt or stuck, and go on meanwhile.
     "help__threshold": 0.6,
     "help__stuck_steps": 150,
@@ -189,6 +190,8 @@ def learner_labels(plan: Plan) -> list[str]:
 def evaluator_sets(plan: Plan) -> list[str]:
     """The settings of the actor that tries candidates."""
     mine = sets(id="evaluator", mode="evaluation", data=str(plan.data / "evaluator"))
+    if plan.pace == "real-time":
+        mine += sets(nice=YIELD)
     low_level = [part for part in plan.sets_for("actor") if part.startswith("low_level=")]
     return [*mine, *[word for part in low_level for word in ("--set", part)]]
 

@@ -1,5 +1,6 @@
 """`python -m services.actor`: run one actor process until it is told to stop."""
 
+import os
 import sys
 from pathlib import Path
 from typing import Annotated, Optional
@@ -27,6 +28,7 @@ def main(
     if settings.mode == "evaluation":
         from services.actor import trials  # Late, as below.
 
+        os.nice(settings.nice)
         try:
             trials.run(settings, stop)
         except HldError as error:

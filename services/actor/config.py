@@ -76,6 +76,7 @@ class ActorSettings(Settings):
         (the gate may have refused a candidate); 0: for ever.
     verdict_timeout_s: in supervised lockstep, go on without a verdict after this; 0: never.
     wait_for_policy_s: at start, how long to wait for the learner before running what is on disk.
+    nice: how much an actor in evaluation mode yields to robots on the same machine.
     low_level, high_level: checkpoint folders; None: the ones that come with the package.
     data: folder of the outbox and of the last version that was taken up.
     """
@@ -104,6 +105,7 @@ class ActorSettings(Settings):
     high_level: Path | None = None
     data: Path = Path("runs/actor-1")
     threads: Annotated[int, Field(ge=1, le=64)] = 1
+    nice: Annotated[int, Field(ge=0, le=19)] = 0
     log_level: str = "info"
 
     @property

@@ -27,14 +27,15 @@ class GateSettings(Settings):
         ids, so that they stay the same ones. at_least: labels among them, below which their
         agreement says too little to be judged by; a small round holds out more for it, see
         `held_out.split`.
-    unjudged: what becomes of a candidate that so few labels can't judge, where no `trials` do:
-        refuse: it stays here, and a later round has more to judge by; let-out: it goes out.
+    unjudged: what becomes of a candidate that so few labels can't judge, where no `trials` do, or
+        in which it never succeeds: refuse: it stays here, and a later round has more to judge by;
+        let-out: it goes out.
     max_fall: by which the agreement with them may fall, against the version in force.
-    fall_chance: a greater fall is borne as well where `Figures.p_fall` is above this: labels of one
-        episode fall together, and few episodes scatter.
+    fall_chance: a greater fall is borne where `Figures.p_fall` is above this, since labels of one
+        episode fall together and few episodes scatter; one above most_fall never is.
     chance: a version in force that is wrong about most of them has to be bettered, with McNemar's p
-        at most this, where no `trials` show what it does: what learned nothing where people spoke
-        agrees no less. 1: it need not be.
+        at most this, or else in `trials`: what learned nothing where people spoke agrees no less.
+        1: it need not be.
     retained: demonstrated decisions that no round replays, to see what is forgotten. max_forgotten:
         by which the agreement with those may fall, against the version in force.
     trials: episodes in simulation. canary: robots that run it first.
@@ -45,9 +46,10 @@ class GateSettings(Settings):
     unjudged: Literal["refuse", "let-out"] = "refuse"
     max_fall: Annotated[float, Field(ge=0, le=1)] = 0.05
     fall_chance: Annotated[float, Field(gt=0, le=1)] = 0.2
+    most_fall: Annotated[float, Field(ge=0, le=1)] = 0.15
     chance: Annotated[float, Field(gt=0, le=1)] = 0.05
     retained: Annotated[int, Field(ge=0, le=10_000)] = 200
-    max_forgotten: Annotated[float, Field(ge=0, le=1)] = 0.1
+    max_forgotten: Annotated[float, Field(ge=0, le=1)] = 0.05
     trials: TrialSettings = TrialSettings()
     canary: CanarySettings = CanarySettings()
 
@@ -59,8 +61,8 @@ class Figures(BaseModel):
     labels_sha256: over all of both, so that a rebuilt data set can be held against it.
     before, after: share of the held-out labels that the version in force and the candidate
         propose first, in whatever words; None where nothing was held out. p: McNemar's, of both.
-    p_fall: how probable it is that they fall so much by chance, episode by episode; None: of fewer
-        than `held_out.TELLING` episodes none can tell.
+    p_fall: how probable it is that they fall so much by chance, episode by episode; None: where
+        fewer than `held_out.TELLING` episodes differ, none can tell.
     retained: demonstrated decisions that were kept aside; retained_before, retained_after: the
         share of them that both propose rightly.
     unread: phrases that people said of the past and that the low level understands no command in;
@@ -111,12 +113,14 @@ class Verdict(NamedTuple):
     """Whether a candidate goes out, why not, and what was found in trials.
 
     unjudged: why it could not be held against what people said; "" where it was.
+    pending: why it is to stay here all the same, unless trials show that it does something.
     """
 
     passed: bool
     reason: str = ""
     figures: dict[str, Any] = {}
     unjudged: str = ""
+    pending: str = ""
 
 
 class Gate:
@@ -124,7 +128,7 @@ class Gate:
 
     def __init__(self, settings: GateSettings, trials: Trials) -> None:
         self._labels, self._trials, self._settings = LabelGate(settings), trials, settings
-        self._trying, self._unjudged = False, ""
+        self._trying, self._said = False, Verdict(True)
 
     def start(self) -> None:
         """Begin to hand out trials."""
@@ -138,7 +142,7 @@ class Gate:
         if not verdict.passed or not self._settings.trials.episodes:
             return verdict
         self._trials.begin(announced, in_force)
-        self._trying, self._unjudged = True, verdict.unjudged
+        self._trying, self._said = True, verdict
         return None
 
     def poll(self) -> Verdict | None:
@@ -147,12 +151,27 @@ class Gate:
             outcomes = self._trials.outcomes()
         except RefusedError as error:
             self.stop()
-            return Verdict(False, str(error), unjudged=self._unjudged)
+            return Verdict(False, str(error), unjudged=self._said.unjudged)
         if outcomes is None:
             return None
         self.stop()
         reason, figures = compare(*outcomes, self._settings.trials)
-        return Verdict(not reason, reason, figures, self._unjudged)
+        reason = reason or self._still_pending(*map(sum, outcomes))
+        return Verdict(not reason, reason, figures, self._said.unjudged)
+
+    def _still_pending(self, mine: int, its: int) -> str:
+        """Why labels hold it back, if trials show nothing that speaks for it.
+
+        mine, its: successes of the candidate and of the version in force on the same scenes.
+        """
+        shown = mine > (0 if self._said.unjudged else its)
+        if shown or not self._said.pending:
+            return ""
+        scenes = self._settings.trials.episodes
+        return (
+            f"{self._said.pending}; and of {scenes} scenes it succeeds in {mine}, the version in "
+            f"force in {its}"
+        )
 
     def progress(self) -> float:
         """How far the trials are, 0 to 1."""
@@ -177,7 +196,6 @@ class LabelGate:
 
     def __init__(self, settings: GateSettings) -> None:
         self._settings = settings
-        self._tried = settings.trials.episodes > 0  # It has yet to show what it does.
 
     def judge(self, candidate: Candidate) -> Verdict:
         """Whether it agrees as much as it must; what can't be judged is no agreement."""
@@ -185,8 +203,11 @@ class LabelGate:
             return Verdict(False, "a weight is infinite or not a number")
         unjudged = self._unjudged(candidate.figures)
         worse = "" if unjudged else self._worse(candidate.figures)
-        reason = worse or self._forgot(candidate.figures) or self._held_back(unjudged)
-        return Verdict(not reason, reason, unjudged=unjudged)
+        reason = worse or self._forgot(candidate.figures)
+        pending = self._held_back(unjudged) if unjudged else self._no_better(candidate.figures)
+        if not self._settings.trials.episodes:  # Nothing more will be known.
+            reason, pending = reason or pending, ""
+        return Verdict(not reason, reason, unjudged=unjudged, pending=pending)
 
     def _unjudged(self, figures: Figures) -> str:
         needs = self._settings.at_least
@@ -196,29 +217,26 @@ class LabelGate:
 
     def _held_back(self, unjudged: str) -> str:
         """Why it stays here although nothing is known against it; "" if it goes on."""
-        if not unjudged or self._tried or self._settings.unjudged == "let-out":
-            return ""
-        return f"{unjudged}; {ADVICE}"
+        return "" if self._settings.unjudged == "let-out" else f"{unjudged}; {ADVICE}"
 
     def _worse(self, figures: Figures) -> str:
         """Why it agrees too little with what people said; "" if it doesn't."""
-        p, borne = figures.p_fall, self._settings.fall_chance
-        fall = figures.before, figures.after, self._settings.max_fall
-        fallen = _fallen(f"{figures.held_out} held-out labels", *fall)
-        if not fallen or (p is not None and p > borne):
-            return self._no_better(figures)
-        if p is None:
+        before, after, settings = figures.before, figures.after, self._settings
+        what, p = f"{figures.held_out} held-out labels", figures.p_fall
+        fallen = _fallen(what, before, after, settings.max_fall)
+        if not fallen or p is None or _fallen(what, before, after, settings.most_fall):
             return fallen
-        return f"{fallen}, or what chance explains (p = {p:.3f}; gate.fall_chance={borne})"
+        if p > settings.fall_chance:
+            return ""
+        allowed = f"p = {p:.3f}; gate.fall_chance={settings.fall_chance}"
+        return f"{fallen}, or what chance explains ({allowed})"
 
     def _no_better(self, figures: Figures) -> str:
         """Why it has learned too little, where there was most to learn; "" if it has enough."""
         before, after, p, most = figures.before, figures.after, figures.p, self._settings.chance
         if before is None or after is None or p is None or before >= 0.5:
             return ""
-        if self._tried or most == 1:
-            return ""
-        if after > before and p <= most:
+        if most == 1 or (after > before and p <= most):
             return ""
         return (
             f"it agrees with {after:.3f} of {figures.held_out} held-out labels, the version in "

@@ -11,7 +11,8 @@ from services.learner.labels.aggregate import Label
 from shared.intervals import flipped
 
 TELLING = 3
-"""Held-out episodes from which on chance is reckoned; a fall in fewer counts as it is."""
+"""Held-out episodes that differ, from which on chance is reckoned; a fall in fewer counts as it is:
+two of them could show nothing, however far they fall."""
 FEW = 3
 """Episodes of which one is held out: of fewer, too little would be left to learn from."""
 
@@ -33,7 +34,8 @@ def fall_by_chance(
     gaps = Counter[str]()
     for label, knew, knows in zip(labels, before, after, strict=True):
         gaps[label.episode] += knows - knew
-    return flipped([*gaps.values()]) if len(gaps) >= TELLING else None
+    differing = [gap for gap in gaps.values() if gap]
+    return flipped(differing) if len(differing) >= TELLING else None
 
 
 def split(

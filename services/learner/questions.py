@@ -21,6 +21,7 @@ from services.learner.kept import Data, Report, find_folder, open_store, write_r
 from services.learner.labels.aggregate import LabelSettings
 from services.learner.labels.amend import Standing, amended
 from services.learner.labels.review import Contradiction, Meaning, Review, review
+from services.learner.labels.spell import spelling
 from services.learner.store.store import History, Kept, Manifest, Store
 from shared.config import exit_misconfigured
 from shared.errors import ConfigError, nearest
@@ -204,7 +205,13 @@ def _rule(data: Path, verb: Verb, phrase: str, means: str, author: str, reason: 
     except ValidationError as error:
         _exit_invalid(error)
     with closing(open_store(data, "review")) as store:
+        spell = spelling((*_everything(store).rulings, ruling))
+        one, other = spell(phrase), spell(means)
         _add(store, ruling)
+    if verb is Verb.ALIAS:
+        print(f"from the next round on labels say “{one}” for both")
+    elif one == other:
+        print(f"kept, but other aliases still make “{one}” of both: rule on those, too")
 
 
 def _exit_invalid(error: ValidationError) -> NoReturn:

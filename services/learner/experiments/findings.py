@@ -48,12 +48,14 @@ class Findings(Settings):
     """What came out.
 
     title: one line. method: what was done, in sentences. figures: rates as `rate` gives them, and
-    what was computed from them. notes: what one must know to read them.
+    what was computed from them. first: names of the figures that stand at the top of report.json
+    as well. notes: what one must know to read them.
     """
 
     title: str
     method: tuple[str, ...]
     figures: dict[str, Any]
+    first: tuple[str, ...] = ()
     tables: tuple[Table, ...] = ()
     plots: tuple[Plot, ...] = ()
     notes: tuple[str, ...] = ()

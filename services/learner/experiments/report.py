@@ -13,7 +13,9 @@ SCHEMA = 1
 def write(folder: Path, findings: Findings, about: dict[str, Any]) -> None:
     """Write report.json, report.md and the plots. about: what was asked for, and when."""
     names = [draw(folder, plot) for plot in findings.plots]
-    content = {"schema": SCHEMA, **about, **findings.model_dump(mode="json"), "pictures": names}
+    told = findings.model_dump(mode="json", exclude={"first"})
+    first = {name: told["figures"][name] for name in findings.first}
+    content = {"schema": SCHEMA, **about, **first, **told, "pictures": names}
     text = json.dumps(content, indent=2, ensure_ascii=False)
     (folder / "report.json").write_text(text + "\n")
     (folder / "report.md").write_text(describe(findings, about, names))

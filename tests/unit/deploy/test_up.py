@@ -54,7 +54,9 @@ def test_candidates_are_tried_in_what_the_robots_do() -> None:
     assert (trials.episodes, trials.site, trials.tasks) == (7, "far", ("pack",))
     assert trials.rollout.hysteresis == 0.1
     tried = load(ActorSettings, "actor", sets=evaluator_sets(plan)[1::2], environment={})
-    assert (tried.mode, str(tried.low_level)) == ("evaluation", "x")
+    assert (tried.mode, str(tried.low_level), tried.nice) == ("evaluation", "x", 0)
+    timed = evaluator_sets(planned("real-time", gate=7))  # There robots have to keep time.
+    assert load(ActorSettings, "actor", sets=timed[1::2], environment={}).nice > 0
     assert learner_gate(planned("lockstep")) == []
 
 

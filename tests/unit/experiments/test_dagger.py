@@ -232,14 +232,20 @@ def test_the_gap_is_what_lies_between_base_and_oracle() -> None:
     low, high = found["interval"]
     assert 0.2 < low < 0.5 < high < 0.8
     assert gap_closed({**by_arm, "oracle": by_arm["base"]}, 1)["value"] is None
+    # A gap that chance may have made is none to take a share of.
+    near = {**by_arm, "base": [rows([True] * 19 + [False])]}
+    assert gap_closed(near, 1) == {"value": None, "interval": None, "rounds": [None]}
 
 
-@pytest.mark.parametrize(("mine", "its", "pairs"), [(1, 1, 4), (3, 1, 12), (3, 2, 8), (3, 3, 12)])
+@pytest.mark.parametrize(
+    ("mine", "its", "fixed", "pairs"),
+    [(1, 1, False, 4), (3, 1, True, 12), (3, 1, False, 4), (3, 2, False, 8), (3, 3, False, 12)],
+)
 def test_arms_are_compared_on_the_training_seeds_that_both_have(
-    mine: int, its: int, pairs: int
+    mine: int, its: int, fixed: bool, pairs: int
 ) -> None:
     won, lost = rows([True] * 4), rows([False] * 4)
-    gap = less([won] * mine, [lost] * its)
+    gap = less([won] * mine, [lost] * its, fixed=fixed)
     assert (gap["n"], gap["difference"]) == (pairs, 1.0)
 
 

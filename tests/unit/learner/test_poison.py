@@ -13,7 +13,7 @@ import torch
 
 from services.learner.build import origin
 from services.learner.config import Recipe
-from services.learner.gate import Candidate, GateSettings, LabelGate
+from services.learner.gate import Candidate, GateSettings, LabelGate, Verdict
 from services.learner.gather import open_version
 from services.learner.labels.aggregate import Label
 from services.learner.store.memory import MemoryStore
@@ -36,6 +36,7 @@ from tests.unit.learner.records import (
     episode,
     receipt,
 )
+from tests.unit.learner.test_gate import after_trials
 
 GATE = LabelGate(GateSettings())
 RIGHT = {20: HAM, 80: CHEESE, 140: "wait", 200: TOAST}
@@ -145,7 +146,7 @@ def test_shuffled_corrections_do_not_get_past_the_gate_after_an_honest_round(
 ) -> None:
     school = School(base)
     honest = school.round(1)
-    assert GATE.judge(honest) == (True, "", {}, "")
+    assert GATE.judge(honest) == Verdict(True)
     assert honest.figures.held_out >= GateSettings().at_least
     assert honest.figures.before is not None
     assert honest.figures.after is not None
@@ -162,6 +163,8 @@ def test_shuffled_corrections_do_not_get_past_the_gate_in_the_first_round(
     assert poisoned.figures.before is not None
     assert poisoned.figures.before > 0.3
     _refused_by_labels(poisoned)
+    # Nor where there are trials that neither version succeeds in, as a base at a new site.
+    assert not after_trials(poisoned, 0, 0).passed
 
 
 @pytest.mark.timeout(600)

@@ -190,6 +190,25 @@ def test_an_alias_is_in_the_labels_from_then_on(data: Path) -> None:
     assert labels(data)["e-1-80"] == GRAB
 
 
+def test_a_ruling_says_what_comes_of_it_or_that_nothing_does(
+    data: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    def ruled(*arguments: str) -> tuple[int, str]:
+        result = run(data, *arguments)
+        told = capfd.readouterr()
+        return result.exit_code, result.output + told.out + told.err
+
+    assert ruled("alias", GRAB, HAM) == (0, f"from the next round on labels say “{HAM}” for both\n")
+    assert ruled("alias", HAM, CHEESE)[0] == 0
+    code, told = ruled("distinct", GRAB, CHEESE)
+    assert (code, f"other aliases still make “{CHEESE}” of both" in told) == (0, True)
+    # It is that already, the other way round.
+    assert f"labels say “{CHEESE}” for both" in ruled("alias", CHEESE, GRAB)[1]
+    assert labels(data)["e-1-80"] == CHEESE
+    assert ruled("distinct", HAM, CHEESE) == (0, "")
+    assert labels(data)["e-1-80"] == HAM
+
+
 @pytest.mark.parametrize(
     ("arguments", "why"),
     [

@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Sequence
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -14,12 +15,14 @@ from services.learner.experiments.dagger.scale import MAIN, DaggerSettings
 from services.learner.experiments.dagger.targets import targets
 from shared.evaluation.attempts import Row
 from shared.evaluation.summary import summarize
-from shared.intervals import mcnemar, rate, seeds_difference
+from shared.intervals import Difference, mcnemar, paired_difference, rate, seeds_difference
 
 HZ = 50.0
 SPEAK_S = 2.0
 """An utterance, from opening one's mouth to its end; reckoned, nobody was timed."""
 DRAWS = 10_000
+UNTRAINED = frozenset(("base", "oracle", "live"))
+"""The same for each training seed."""
 
 
 def figures_of(settings: DaggerSettings, tried: Tried) -> dict[str, Any]:
@@ -32,7 +35,9 @@ def figures_of(settings: DaggerSettings, tried: Tried) -> dict[str, Any]:
         "corrections_share": _corrections_share(tried.paces),
         "retention": _retention(tried, last),
         "less": {
-            name: less(tried.rows[last], rows) for name, rows in tried.rows.items() if name != last
+            name: less(tried.rows[last], rows, fixed=name in UNTRAINED)
+            for name, rows in tried.rows.items()
+            if name != last
         },
         "people": {
             person: _people([pace for pace in tried.paces if pace.person == person])
@@ -65,49 +70,64 @@ def _arm(rows: BySeed) -> dict[str, Any]:
 
 
 def _outcomes(rows: BySeed, seeds: int) -> list[list[float]]:
-    """Of the first training seeds; what was not trained is the same for each."""
-    wide = rows * seeds if len(rows) == 1 else rows[:seeds]
-    return [[float(row.success) for row in by_seed] for by_seed in wide]
+    """Of the first training seeds."""
+    return [[float(row.success) for row in by_seed] for by_seed in rows[:seeds]]
 
 
-def less(rows: BySeed, others: BySeed) -> dict[str, Any]:
-    """How much better the first are, on the same scenes and the training seeds that both have."""
-    seeds = min({len(rows), len(others)} - {1}, default=1)
+def less(rows: BySeed, others: BySeed, *, fixed: bool = False) -> dict[str, Any]:
+    """How much better the first are, on the same scenes and the training seeds that both have.
+
+    fixed: the others are the same for each training seed, and there once.
+    """
+    others = others * len(rows) if fixed else others
+    seeds = min(len(rows), len(others))
     mine, its = _outcomes(rows, seeds), _outcomes(others, seeds)
-    gap = seeds_difference(mine, its)
-    by_seed = [
+    return _told(seeds_difference(mine, its), _p(mine, its), sum(map(len, mine)))
+
+
+def _p(mine: Sequence[Sequence[float]], its: Sequence[Sequence[float]]) -> float:
+    """McNemar's of the training seed where it is largest."""
+    return max(
         mcnemar([won > 0 for won in one], [won > 0 for won in other])
         for one, other in zip(mine, its, strict=True)
-    ]
+    )
+
+
+def _told(gap: Difference, p: float, n: int) -> dict[str, Any]:
     return {
         "difference": round(gap.value, 4),
         "interval": [round(gap.low, 4), round(gap.high, 4)],
-        "p": round(max(by_seed), 4),
-        "n": sum(map(len, mine)),
+        "p": round(p, 4),
+        "n": n,
     }
 
 
 def gap_closed(rows: dict[str, BySeed], rounds: int) -> dict[str, Any]:
     """(after each round - base) / (oracle - base), with the interval of the last.
 
-    The bootstrap draws training seeds, and scenes once for all arms. None where the oracle is no
-    better than the base.
+    The bootstrap draws training seeds, and scenes once for all arms. None where the oracle isn't
+    better than the base by its interval: a share of nothing says nothing.
     """
+    if less(rows["oracle"], rows["base"])["interval"][0] <= 0:
+        return {"value": None, "interval": None, "rounds": [None] * rounds}
     names = [f"{MAIN}, round {number}" for number in range(1, rounds + 1)]
     seeds = len(rows[names[-1]])
     wide = [
-        np.array(_outcomes(rows[name], seeds)) for name in ("base", "oracle", *names)
+        np.array(_outcomes(some, seeds))
+        for some in (
+            *(rows[name] * seeds for name in ("base", "oracle")),
+            *(rows[name] for name in names),
+        )
     ]  # [S, N] each.
-    base, oracle, *after = (one.mean() for one in wide)
-    if oracle <= base:
-        return {"value": None, "interval": None, "rounds": [None] * rounds}
+    base, oracle, *after = (float(one.mean()) for one in wide)
     rng = np.random.default_rng(0)
     shares = []
     for _ in range(DRAWS):
         drawn = rng.integers(seeds, size=seeds)
         scenes = rng.integers(wide[0].shape[1], size=wide[0].shape[1])
         low, high, top = (one[drawn][:, scenes].mean() for one in (wide[0], wide[1], wide[-1]))
-        shares.append((top - low) / max(high - low, 1e-9))
+        if high > low:  # All but never otherwise, by the interval above.
+            shares.append((top - low) / (high - low))
     lower, upper = np.percentile(shares, [2.5, 97.5])
     return {
         "value": round((after[-1] - base) / (oracle - base), 4),
@@ -140,27 +160,38 @@ def _retention(tried: Tried, last: str) -> dict[str, Any]:
 
     unseen: here, on prompts that were never corrected in any round, after and before.
     """
-    gap = less(tried.lab["last"], tried.lab["base"])
-    pairs = [
-        (mine.success, before.success)
-        for rows, prompts in zip(tried.rows[last], tried.prompts, strict=True)
-        for mine, before in zip(rows, tried.rows["base"][0], strict=True)
-        if mine.prompt not in prompts
-    ]
+    base = tried.lab["base"]
+    gap = less(tried.lab["last"], base, fixed=True)
     return {
         "lab": gap,
-        "before": _arm(tried.lab["base"]),
+        "before": _arm(base),
         "after": _arm(tried.lab["last"]),
         "arms": {
-            name: {**_arm(rows), "less": less(rows, tried.lab["base"])}
+            name: {**_arm(rows), "less": less(rows, base, fixed=True)}
             for name, rows in tried.lab.items()
             if name not in ("base", "last")
         },
-        "unseen": {
-            "after": rate([mine for mine, _ in pairs]),
-            "before": rate([before for _, before in pairs]),
-        },
+        "unseen": _unseen(tried, last),
     }
+
+
+def _unseen(tried: Tried, last: str) -> dict[str, Any]:
+    """Success on prompts that nobody corrected; less: None where there is no such scene.
+
+    Each training seed has other prompts, so that its pairs are taken as they are, and all together.
+    """
+    by_seed = [
+        [
+            (mine.success, before.success)
+            for mine, before in zip(rows, tried.rows["base"][0], strict=True)
+            if mine.prompt not in prompts
+        ]
+        for rows, prompts in zip(tried.rows[last], tried.prompts, strict=True)
+    ]
+    after, before = ([[pair[side] for pair in pairs] for pairs in by_seed] for side in (0, 1))
+    mine, its = [*chain(*after)], [*chain(*before)]
+    gap = _told(paired_difference(mine, its), _p(after, before), len(mine)) if mine else None
+    return {"after": rate(mine), "before": rate(its), "less": gap}
 
 
 def _people(paces: Sequence[Pace]) -> list[dict[str, Any]]:

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from services.learner.experiments.dagger.figures import SPEAK_S, figures_of
-from services.learner.experiments.dagger.run import Tried
+from services.learner.experiments.dagger.run import LAB, Tried
 from services.learner.experiments.dagger.scale import ARMS, MAIN, PEOPLE, DaggerSettings
 from services.learner.experiments.dagger.targets import targets_table
 from services.learner.experiments.findings import (
@@ -38,6 +38,7 @@ def findings(settings: DaggerSettings, tried: Tried, site: str) -> Findings:
         title="Do corrections help, and is it the corrections?",
         method=_method(settings),
         figures=figures,
+        first=("arms", "gap_closed", "corrections_share", "retention"),
         tables=(
             targets_table(figures, settings.rounds),
             _arms_table(figures, last),
@@ -50,7 +51,7 @@ def findings(settings: DaggerSettings, tried: Tried, site: str) -> Findings:
             _staleness_table(figures),
         ),
         plots=(_plot(figures, settings, site), *_amounts(figures, settings, site)),
-        notes=_notes(settings),
+        notes=_notes(settings, site, flat="flat" in tried.rows),
     )
 
 
@@ -74,7 +75,7 @@ def _listed(counts: Sequence[int]) -> str:
     return ", ".join(map(str, counts))
 
 
-def _notes(settings: DaggerSettings) -> tuple[str, ...]:
+def _notes(settings: DaggerSettings, site: str, *, flat: bool) -> tuple[str, ...]:
     notes = [
         "Intervals of rates are Wilson's, which take all episodes as independent; those of "
         "differences and of the gap are by bootstrap over training seeds and scenes. p is "
@@ -88,8 +89,20 @@ def _notes(settings: DaggerSettings) -> tuple[str, ...]:
         "scripted expert does so without a pause.",
         "An arm with fewer labels is trained by fewer updates, as a round is, but by as many where "
         "shares are compared.",
-        "Retention is success in the lab, where no correction came from.",
+        "The last round alone is learned from the base, not from the version before it with what "
+        "came before counted as demonstrations, as the published code has it.",
+        "Retention is success in the lab, where no correction came from."
+        if site != LAB
+        else "Corrections came from the lab itself, so that what is told of it is no retention; "
+        "demonstrations at the site are those in the lab.",
+        "Of prompts that nobody corrected the interval is Newcombe's, over the pairs of all "
+        "training seeds.",
     ]
+    if not flat:
+        notes.append(
+            "The flat arm was not at hand: `hld experiment baselines` trains it, and --baselines "
+            "names its folder."
+        )
     if settings.seeds == 1:
         notes.append("One training seed: this says nothing of others.")
     return tuple(notes)
@@ -155,9 +168,15 @@ def _kept_table(figures: dict[str, Any]) -> Table:
                 (f"the lab: {title_of(name)}", "", cell(found), gap_cell(found["less"]))
                 for name, found in kept["arms"].items()
             ),
-            ("prompts that nobody corrected", cell(unseen["before"]), cell(unseen["after"]), ""),
+            ("prompts that nobody corrected", *_unseen(unseen)),
         ),
     )
+
+
+def _unseen(found: dict[str, Any]) -> tuple[str, str, str]:
+    if found["less"] is None:
+        return ("no such scene", "", "")
+    return (cell(found["before"]), cell(found["after"]), gap_cell(found["less"]))
 
 
 def _driven_tables(figures: dict[str, Any]) -> tuple[Table, ...]:

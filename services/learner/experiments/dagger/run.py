@@ -62,11 +62,12 @@ class Run:
     def go(self) -> Tried:
         """Do what is missing, and tell all."""
         untrained = self._archive.get("untrained", self._notes.untrained(), self._untrained)
+        flat = self._flat()
         each = [self._seed(seed) for seed in range(self._settings.seeds)]
         rows = {name: [some] for name, some in untrained.rows.items()}
         rows |= {name: [one.rows[name] for one in each] for name in each[0].rows}
         untrained_lab = {name: [some] for name, some in untrained.lab.items()}
-        if flat := self._flat():
+        if flat:
             rows["flat"] = flat
         return Tried(
             rows=rows,

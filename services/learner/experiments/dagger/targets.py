@@ -15,29 +15,35 @@ BEHIND_LIVE = 0.05
 FORGOTTEN = 0.02
 
 
+_REACHED = {True: "yes", False: "**short**", None: ""}
+
+
 class Target(NamedTuple):
-    """what: is asked. wanted, found: as people read them. reached: by the value."""
+    """what: is asked. wanted, found: as people read them. reached: by the value; None: it can't be
+    told here."""
 
     what: str
     wanted: str
     found: str
-    reached: bool
+    reached: bool | None
 
 
 def targets(figures: dict[str, Any], rounds: int) -> list[Target]:
     """Those that this run has the arms for. figures: as report.json has them."""
     gap, share, less = figures["gap_closed"], figures["corrections_share"], figures["less"]
     kept = figures["retention"]["lab"]
-    low, high = gap["interval"] or (0.0, 0.0)
-    value = gap["value"] or 0.0
+    value, told = gap["value"], "the oracle is no better than the base here"
+    if value is not None:
+        low, high = gap["interval"]
+        told = f"{value:.2f} ({low:.2f} to {high:.2f})"
     falling = all(late < early for early, late in pairwise(share["rounds"]))
     by_round = ", ".join(f"{one:.1f}" for one in share["rounds"])
     found = [
         Target(
             f"gap between base and oracle closed after {rounds} rounds",
             f"{GAP:.2f} or more",
-            f"{value:.2f} ({low:.2f} to {high:.2f})",
-            value >= GAP,
+            told,
+            None if value is None else value >= GAP,
         ),
         Target(
             "corrections per 100 decisions, over all rounds",
@@ -76,7 +82,7 @@ def targets_table(figures: dict[str, Any], rounds: int) -> Table:
         title="To be reached",
         columns=(f"{MAIN}, round {rounds}", "wanted", "measured (95 %)", "reached?"),
         rows=tuple(
-            (one.what, one.wanted, one.found, "yes" if one.reached else "**short**")
+            (one.what, one.wanted, one.found, _REACHED[one.reached])
             for one in targets(figures, rounds)
         ),
     )
