@@ -28,10 +28,11 @@ class Curve(Settings):
 
 
 class Panel(Settings):
-    """Curves over one another."""
+    """Curves over one another. x_label: where it isn't that of the plot."""
 
     title: str
     curves: tuple[Curve, ...]
+    x_label: str | None = None
 
 
 class Plot(Settings):

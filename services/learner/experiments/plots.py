@@ -55,7 +55,8 @@ def _panel(axes: Any, panel: Panel, plot: Plot) -> None:
         axes.set_xticks(range(len(names)), names, **slant)
     else:
         axes.set_xticks(names, [f"{name:g}" for name in names])
-    axes.set(ylim=(-0.03, 1.03), xlabel=plot.x_label, ylabel=plot.y_label, title=panel.title)
+    label = plot.x_label if panel.x_label is None else panel.x_label
+    axes.set(ylim=(-0.03, 1.03), xlabel=label, ylabel=plot.y_label, title=panel.title)
     axes.spines[["top", "right"]].set_visible(False)
     if len(panel.curves) > 1:  # Below, where it covers nothing.
         below = 0.5, -0.45 if slanted else -0.2

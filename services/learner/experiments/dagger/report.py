@@ -56,9 +56,10 @@ def findings(settings: DaggerSettings, tried: Tried, site: str) -> Findings:
 
 
 def _method(settings: DaggerSettings) -> tuple[str, ...]:
+    seeds = "one training seed" if settings.seeds == 1 else f"{settings.seeds} training seeds"
     return (
-        f"{settings.rounds} rounds, of {_listed(settings.episodes)} episodes, {settings.seeds} "
-        "training seeds with scenes of their own. A scripted person knows the true state and looks "
+        f"{settings.rounds} rounds, of {_listed(settings.episodes)} episodes, {seeds} "
+        "with scenes of their own. A scripted person knows the true state and looks "
         "at every decision. Where the command is wrong they say the right one, which holds until "
         "they say another or let go; where it is right they say nothing."
         + (ENDORSING if PEOPLE[MAIN].endorse else " Nothing is learned there.")
@@ -270,6 +271,10 @@ def _plot(figures: dict[str, Any], settings: DaggerSettings, site: str) -> Plot:
     if controls:
         points_by_name = {f"round {settings.rounds}": arms[f"{MAIN}, round {settings.rounds}"]}
         panels.append(
-            Panel(title="instead", curves=(curve("arms", {**points_by_name, **controls}),))
+            Panel(
+                title="and what it is compared with",
+                curves=(curve("arms", {**points_by_name, **controls}),),
+                x_label="arm",
+            )
         )
     return Plot(name="dagger", title="Success by round", x_label="rounds", panels=tuple(panels))
