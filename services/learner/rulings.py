@@ -3,7 +3,7 @@ is in force again; done by the learner that has the store, at its next look.
 """
 
 from services.learner.gate import Candidate
-from services.learner.store.store import Answer, PolicyRecord, RoundState
+from services.learner.store.store import Answer, PolicyRecord, Round, RoundState
 from services.learner.turn import Parts, again, next_number
 from shared.errors import RefusedError
 from shared.messages.ruling import Ruling, Verb
@@ -33,6 +33,26 @@ def _promoted(ruling: Ruling, parts: Parts, epoch: int, in_force: PolicyRecord) 
     round_ = rounds.get(ruling.round or 0)
     if round_ is None:
         raise RefusedError(f"there is no round {ruling.round}; {_known(list(rounds), 'round')}")
+    candidate = promotable(round_)
+    return PolicyRecord(
+        number=next_number(parts.store),
+        epoch=epoch,
+        tensors=candidate.tensors,
+        bank=candidate.bank,
+        settings=candidate.settings,
+        low_level_sha256=in_force.low_level_sha256,
+        marks=parts.store.survey(round_.manifest).marks,
+        created_ns=parts.clock.now_ns(),
+        ruling=ruling.id,
+    )
+
+
+def promotable(round_: Round) -> Candidate:
+    """What a round made, if it may go out after all.
+
+    Raises:
+        RefusedError: it may not; says why.
+    """
     if round_.state is RoundState.PASSED:
         raise RefusedError(
             f"round {round_.number} passed the gate; its version is {round_.made}: roll back to it"
@@ -46,17 +66,7 @@ def _promoted(ruling: Ruling, parts: Parts, epoch: int, in_force: PolicyRecord) 
     candidate = Candidate.model_validate(round_.candidate)
     if not candidate.figures.finite:
         raise RefusedError(f"what round {round_.number} made can't run: {round_.reason}")
-    return PolicyRecord(
-        number=next_number(parts.store),
-        epoch=epoch,
-        tensors=candidate.tensors,
-        bank=candidate.bank,
-        settings=candidate.settings,
-        low_level_sha256=in_force.low_level_sha256,
-        marks=parts.store.survey(round_.manifest).marks,
-        created_ns=parts.clock.now_ns(),
-        ruling=ruling.id,
-    )
+    return candidate
 
 
 def _back(ruling: Ruling, parts: Parts, epoch: int, in_force: PolicyRecord) -> PolicyRecord:

@@ -22,9 +22,10 @@ from rich.table import Table
 
 from services.learner.descent import Descent, descents, tell
 from services.learner.kept import Data, Report, open_store, write_report
+from services.learner.rulings import promotable
 from services.learner.store.store import Answer, PolicyRecord, Round, RoundState, Store
 from shared.config import exit_misconfigured
-from shared.errors import ConfigError
+from shared.errors import ConfigError, RefusedError
 from shared.messages.message import new_id
 from shared.messages.ruling import Ruling, Verb
 from shared.service import run_app
@@ -156,6 +157,11 @@ def _check_known(store: Store, ruling: Ruling) -> None:
         what = "version" if rollback else "round"
         there = f"there are {', '.join(map(str, known))}" if known else "there is none yet"
         exit_misconfigured("policy", ConfigError(f"no {what} {wanted}; {there}"))
+    if not rollback:
+        try:
+            promotable(next(one for one in store.rounds() if one.number == wanted))
+        except RefusedError as error:
+            exit_misconfigured("policy", error)
 
 
 def _answered(store: Store, ruling: str) -> Answer | None:

@@ -7,13 +7,14 @@ from pathlib import Path
 import pytest
 
 from services.learner import experiments
+from services.learner.experiments import dagger
 from services.learner.experiments.bench import Bench, Scale
 from services.learner.experiments.dagger import compare
 from services.learner.experiments.dagger.kept import Archive
 from services.learner.experiments.dagger.notes import Notes
 from services.learner.experiments.dagger.report import findings
 from services.learner.experiments.dagger.run import Tried
-from services.learner.experiments.dagger.scale import CORE, MAIN
+from services.learner.experiments.dagger.scale import CORE, MAIN, DaggerSettings
 from services.learner.experiments.findings import Findings
 from services.learner.experiments.report import write
 from shared.errors import HldError
@@ -111,3 +112,13 @@ def test_where_the_oracle_is_no_better_there_is_no_gap_and_no_target(tmp_path: P
 def test_the_oracle_has_nothing_to_learn(tmp_path: Path) -> None:
     with pytest.raises(HldError, match="--high-level names a version"):
         compare(Bench(tmp_path, Here(), untold, (0, 1), high_level="oracle"), CORE)
+
+
+@pytest.mark.parametrize(("site", "arms"), [("lab", ["lab"]), ("near", ["lab", "site"])])
+def test_in_the_lab_nothing_is_demonstrated_twice(
+    site: str, arms: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen: list[DaggerSettings] = []
+    monkeypatch.setattr(dagger, "_found", lambda _, settings: seen.append(settings))
+    compare(bench(tmp_path, site), CORE.model_copy(update={"seeds": 1}))
+    assert [name for name in seen[0].arms if name in ("lab", "site")] == arms

@@ -10,6 +10,7 @@ from typer.testing import CliRunner
 from services.learner.store.sql import SqlStore, sqlite_url
 from services.learner.store.store import Manifest, Marks, PolicyRecord, Round, RoundState
 from services.learner.versions import app
+from tests.unit.learner.test_gate import candidate
 from tests.unit.learner.test_learner_store import REF
 
 UNJUDGED = "held out 3 labels, needs 20: not judged"
@@ -48,6 +49,7 @@ def data(tmp_path_factory: pytest.TempPathFactory) -> Path:
                 "state": RoundState.PASSED if made else RoundState.REFUSED,
                 "reason": "" if made else "it agrees with 0.100 of 40 held-out labels",
                 "figures": figures,
+                "candidate": candidate().model_dump(mode="json"),
                 "ended_ns": 3,
                 "made": made.number if made else None,
             }
@@ -102,14 +104,15 @@ def test_what_is_not_there_is_told_with_what_is(
     [
         (["rollback", "7"], "no version 7; there are 0, 1, 2"),
         (["promote", "5"], "no round 5; there are 1, 2, 3"),
+        (["promote", "1"], "round 1 passed the gate; its version is 1: roll back to it"),
     ],
 )
 def test_what_no_learner_could_do_is_refused_at_once_and_not_kept(
-    data: Path, arguments: list[str], known: str
+    data: Path, arguments: list[str], known: str, capfd: pytest.CaptureFixture[str]
 ) -> None:
     result = RUN.invoke(app, [*arguments, "--reason", "x", "--data", str(data)])
     assert result.exit_code == 2
-    assert known in result.output
+    assert known in result.output + capfd.readouterr().err
     store = SqlStore(sqlite_url(data / "learner.db"))
     assert store.answers() == ()
     store.close()
