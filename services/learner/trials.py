@@ -14,6 +14,7 @@ from typing import Annotated, Any, NamedTuple
 import structlog
 from pydantic import Field
 
+from services.learner.code import code_version
 from services.learner.store.store import PolicyRecord, Store, Trial
 from shared.clock import Clock
 from shared.config import Settings
@@ -71,7 +72,8 @@ class Trials:
         self._bus, self._fleet, self._store = bus, fleet, store
         self._settings, self._clock = settings, clock
         self._plan = settings.plan()
-        self._plan_sha256 = _sha256(self._plan)
+        # By other code the same policy may do otherwise: what it did before makes no pairs.
+        self._plan_sha256 = _sha256([self._plan, code_version()])
         self._lock = threading.Lock()
         self._sides: tuple[_Side, ...] = ()
         self._given: dict[tuple[str, int], int] = {}  # When, by the monotonic clock.

@@ -16,7 +16,7 @@ class TrialOrder(Message):
 
     policy: what to roll out; its tensors are fetched as those of any announcement. policy_sha256:
         over all that makes it act. plan: site, tasks, rollout and so on, as an evaluation takes
-        them, as JSON values; plan_sha256: over it.
+        them, as JSON values; plan_sha256: over it and the code that hands it out.
     seed: of the scene, as evaluations count them. task: of the episode.
     """
 

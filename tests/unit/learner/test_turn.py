@@ -177,6 +177,20 @@ def test_a_restart_trains_nothing_and_tries_nothing_twice(bench: Bench) -> None:
     assert bench.trainer.forgotten == [1]
 
 
+def test_what_other_code_tried_makes_no_pairs(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    trained(bench, TRIALS)
+    before = Evaluator(bench).work(better=True, orders=3)
+    bench.learner.close()
+    monkeypatch.setattr("services.learner.trials.code_version", lambda: "another")
+    bench.restart(TRIALS)
+    assert bench.state() is LearnerState.JUDGING
+    after = Evaluator(bench).work(better=True)
+    assert len(after) == 2 * PAIRS
+    assert {one.plan_sha256 for one in before}.isdisjoint(one.plan_sha256 for one in after)
+
+
 def test_an_episode_that_nobody_hands_in_is_given_to_another(bench: Bench) -> None:
     trained(bench, TRIALS)
     lost = Evaluator(bench).ask()
