@@ -86,8 +86,8 @@ class Doubt:
         self._since = step
         self._returns, self._circle_begun = 0, step
 
-    def _change(self, command: Goal | None, step: int) -> None:
-        if command is not None and command == self._before:
+    def _change(self, command: Goal, step: int) -> None:
+        if command == self._before:
             self._returns += 1
         else:
             self._returns, self._circle_begun = 0, self._begun

@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 from pydantic import BaseModel, ConfigDict, Field
 
 from services.learner.canary import CanarySettings
+from services.learner.held_out import TELLING
 from services.learner.trials import Trials, TrialSettings, compare
 from shared.config import Settings
 from shared.errors import RefusedError
@@ -25,17 +26,18 @@ class GateSettings(Settings):
 
     held_out_share: of the corrected episodes, those that no round trains on; chosen by their
         ids, so that they stay the same ones. at_least: labels among them, below which their
-        agreement says too little to be judged by; a small round holds out more for it, see
-        `held_out.split`.
+        agreement says too little to be judged by; a small round holds out more for it, which a
+        later one may learn from, see `held_out.split`.
     unjudged: what becomes of a candidate that so few labels can't judge, where no `trials` do, or
         in which it never succeeds: refuse: it stays here, and a later round has more to judge by;
         let-out: it goes out.
     max_fall: by which the agreement with them may fall, against the version in force.
     fall_chance: a greater fall is borne where `Figures.p_fall` is above this, since labels of one
-        episode fall together and few episodes scatter; one above most_fall never is.
+        episode fall together and few episodes scatter; one above most_fall never is. Of three
+        episodes that all fall p is .125: below that nothing would be refused for them.
     chance: a version in force that is wrong about most of them has to be bettered, with McNemar's p
-        at most this, or else in `trials`: what learned nothing where people spoke agrees no less.
-        1: it need not be.
+        at most this, or else in `trials`, with p at most theirs: what learned nothing where people
+        spoke agrees no less. 1: it need not be.
     retained: demonstrated decisions that no round replays, to see what is forgotten. max_forgotten:
         by which the agreement with those may fall, against the version in force.
     trials: episodes in simulation. canary: robots that run it first.
@@ -45,7 +47,7 @@ class GateSettings(Settings):
     at_least: Annotated[int, Field(ge=1)] = 20
     unjudged: Literal["refuse", "let-out"] = "refuse"
     max_fall: Annotated[float, Field(ge=0, le=1)] = 0.05
-    fall_chance: Annotated[float, Field(gt=0, le=1)] = 0.2
+    fall_chance: Annotated[float, Field(ge=2**-TELLING, le=1)] = 0.2
     most_fall: Annotated[float, Field(ge=0, le=1)] = 0.15
     chance: Annotated[float, Field(gt=0, le=1)] = 0.05
     retained: Annotated[int, Field(ge=0, le=10_000)] = 200
@@ -156,21 +158,25 @@ class Gate:
             return None
         self.stop()
         reason, figures = compare(*outcomes, self._settings.trials)
-        reason = reason or self._still_pending(*map(sum, outcomes))
+        mine, its = map(sum, outcomes)
+        reason = reason or self._still_pending(mine, its, figures["p"])
         return Verdict(not reason, reason, figures, self._said.unjudged)
 
-    def _still_pending(self, mine: int, its: int) -> str:
-        """Why labels hold it back, if trials show nothing that speaks for it.
+    def _still_pending(self, mine: int, its: int, p: float) -> str:
+        """Why labels hold it back, if trials show too little that speaks for it.
 
         mine, its: successes of the candidate and of the version in force on the same scenes.
+        p: of their difference.
         """
-        shown = mine > (0 if self._said.unjudged else its)
+        unjudged, trials = self._said.unjudged, self._settings.trials
+        shown = mine > 0 if unjudged else mine > its and p <= trials.chance
         if shown or not self._said.pending:
             return ""
-        scenes = self._settings.trials.episodes
+        scenes = f"of {trials.episodes} scenes it succeeds in {mine}, the version in force in {its}"
+        if unjudged:
+            return f"{unjudged}; {scenes}; {ADVICE}"
         return (
-            f"{self._said.pending}; and of {scenes} scenes it succeeds in {mine}, the version in "
-            f"force in {its}"
+            f"{self._said.pending}; and {scenes} (p = {p:.2f}; gate.trials.chance={trials.chance})"
         )
 
     def progress(self) -> float:
@@ -204,7 +210,9 @@ class LabelGate:
         unjudged = self._unjudged(candidate.figures)
         worse = "" if unjudged else self._worse(candidate.figures)
         reason = worse or self._forgot(candidate.figures)
-        pending = self._held_back(unjudged) if unjudged else self._no_better(candidate.figures)
+        pending = f"{unjudged}; {ADVICE}" if unjudged else self._no_better(candidate.figures)
+        if unjudged and self._settings.unjudged == "let-out":
+            pending = ""
         if not self._settings.trials.episodes:  # Nothing more will be known.
             reason, pending = reason or pending, ""
         return Verdict(not reason, reason, unjudged=unjudged, pending=pending)
@@ -214,10 +222,6 @@ class LabelGate:
         if figures.held_out >= needs:
             return ""
         return f"held out {figures.held_out} labels, needs {needs}: not judged"
-
-    def _held_back(self, unjudged: str) -> str:
-        """Why it stays here although nothing is known against it; "" if it goes on."""
-        return "" if self._settings.unjudged == "let-out" else f"{unjudged}; {ADVICE}"
 
     def _worse(self, figures: Figures) -> str:
         """Why it agrees too little with what people said; "" if it doesn't."""

@@ -41,11 +41,11 @@ def fall_by_chance(
 def split(
     labels: Sequence[Label], share: float, at_least: int = 0, learned: Collection[str] = ()
 ) -> tuple[list[Label], list[Label]]:
-    """Labels to train on, and those to hold out: whole episodes, the same ones in every round.
+    """Labels to train on, and those to hold out: whole episodes, the same by lot in each round.
 
     at_least: where chance holds out fewer labels, the next episodes by lot are, too, but no more
         than a fifth of all, or one of three or four: an early round is small, and would not be
-        judged.
+        judged. A later round may learn from these.
     learned: episodes that the version in force learned from, which come last there: what it was
         taught it knows, and whatever was not would be held to agree less.
     """

@@ -212,6 +212,8 @@ def _rule(data: Path, verb: Verb, phrase: str, means: str, author: str, reason: 
         print(f"from the next round on labels say “{one}” for both")
     elif one == other:
         print(f"kept, but other aliases still make “{one}” of both: rule on those, too")
+    else:
+        print(f"from the next round on labels keep “{one}” and “{other}” apart")
 
 
 def _exit_invalid(error: ValidationError) -> NoReturn:

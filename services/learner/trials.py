@@ -2,7 +2,7 @@
 
 The third part of the gate. Actors in evaluation mode ask for an episode, roll it out and hand in
 what came of it; the learner itself has no simulator. What was rolled out is kept, so that a
-restart repeats nothing and the version in force is tried once.
+restart under the same code repeats nothing and the version in force is tried once.
 """
 
 import hashlib

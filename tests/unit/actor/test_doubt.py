@@ -141,9 +141,17 @@ def test_two_commands_in_turn_again_and_again_are_a_reason_to_call():
     assert [call is not None for call in calls] == [False] * 5 + [True] * 8
     assert {(call.decision, call.reason) for call in calls[5:]} == {("ep-1-400", Reason.STUCK)}
     assert look(doubt, decision(1040, executed="wait")) is None
-    doubt.close(1040)
-    again = [look(doubt, decision(step, executed=next(names))) for step in range(1120, 1600, 80)]
-    assert [call is not None for call in again] == [False] * 5 + [True]
+
+
+@pytest.mark.parametrize(("stuck_steps", "first"), [(100, 1280), (400, 1440)])
+def test_after_an_answer_it_takes_a_whole_circle_again(stuck_steps, first):
+    doubt, names = doubting(stuck_steps=stuck_steps), itertools.cycle(["left", "right"])
+    for step in range(0, 1000, 80):
+        look(doubt, decision(step, executed=next(names)))
+    assert doubt.call
+    doubt.close(1010)  # Told "yes, go on": it goes on as before.
+    calls = [look(doubt, decision(step, executed=next(names))) for step in range(1040, 1600, 80)]
+    assert next(call for call in calls if call).step == first
 
 
 def test_another_command_breaks_the_circle():

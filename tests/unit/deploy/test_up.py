@@ -1,9 +1,11 @@
 """What `hld up` tells its actors."""
 
+import inspect
 from pathlib import Path
 
 import pytest
 
+from deploy import hld
 from deploy.up import Plan, actor_sets, evaluator_sets, learner_gate, learner_labels
 from services.actor.config import ActorSettings
 from services.learner.config import LearnerSettings
@@ -73,3 +75,7 @@ def test_in_lockstep_nobody_asks_unless_it_is_set() -> None:
 @pytest.mark.parametrize("pace", ["real-time", "lockstep"])
 def test_what_is_set_by_hand_outdoes_what_the_pace_suggests(pace: str) -> None:
     assert settings(pace, "actor.help.wait_s=20").help.wait_s == 20
+
+
+def test_candidates_are_tried_unless_somebody_says_otherwise() -> None:
+    assert inspect.signature(hld.up).parameters["gate"].default > 0

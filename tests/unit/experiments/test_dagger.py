@@ -201,7 +201,7 @@ def test_a_target_is_reached_by_its_value_and_a_control_beaten_by_its_interval()
         "retention": {"lab": gap(-0.01)},
         "less": {"live": gap(-0.05), "lab": gap(0.3, 0.2, 0.4), "shuffled": gap(0.3, -0.01, 0.6)},
     }
-    found = {one.what: one.reached for one in targets(figures, 3)}
+    found = {one.what: one.reached for one in targets(figures, 3, "far")}
     assert found == {
         "gap between base and oracle closed after 3 rounds": False,
         "corrections per 100 decisions, over all rounds": True,
@@ -211,6 +211,7 @@ def test_a_target_is_reached_by_its_value_and_a_control_beaten_by_its_interval()
         "less extra demonstrations in the lab": True,
         "less shuffled corrections": False,
     }
+    assert [one.reached for one in targets(figures, 3, "lab")].count(None) == 1
 
 
 def rows(wins: list[bool]) -> list[Row]:
@@ -329,6 +330,10 @@ def test_all_of_it_in_small_and_again_without_doing_anything_twice(
     shutil.rmtree(tmp_path / "elsewhere" / "outcomes")
     with pytest.raises(HldError, match="corrected-0 comes from other settings"):
         compare(elsewhere, other)
+    # Nor with what doesn't say by which it was.
+    (elsewhere.out / "courses" / "far" / "corrected-0" / "note.json").unlink()
+    with pytest.raises(HldError, match="corrected-0 comes from other settings"):
+        compare(elsewhere, settings)
 
 
 def test_a_share_is_compared_at_as_many_updates() -> None:

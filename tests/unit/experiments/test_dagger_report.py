@@ -22,6 +22,7 @@ from tests.unit.experiments.bench import Here, untold
 
 KEPT = Path(experiments.__file__).parent / "measured" / "outcomes"
 FILES = sorted(KEPT.rglob("*.json.gz"))
+assert FILES
 ABOUT = {"command": "c", "date": "d", "site": "far", "low_level_sha256": "a",
          "high_level": None, "high_level_sha256": None}  # fmt: skip
 
@@ -101,7 +102,7 @@ def test_where_the_oracle_is_no_better_there_is_no_gap_and_no_target(tmp_path: P
     told = findings(CORE.model_copy(update={"seeds": 1, "arms": ()}), alike, "lab")
     assert told.figures["gap_closed"]["value"] is None
     assert told.figures["targets"][0]["reached"] is None
-    assert "the oracle is no better" in told.tables[0].rows[0][2]
+    assert "by its interval" in told.tables[0].rows[0][2]
     assert told.figures["retention"]["unseen"]["less"] is None
     notes_of = " ".join(told.notes)
     assert "no retention" in notes_of

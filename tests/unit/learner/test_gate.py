@@ -112,7 +112,13 @@ def after_trials(made: Candidate, mine: int, its: int) -> Verdict:
 
 @pytest.mark.parametrize(
     ("p", "mine", "its", "passed"),
-    [(0.77, 0, 0, False), (0.77, 4, 4, False), (0.77, 5, 4, True), (0.01, 0, 0, True)],
+    [
+        (0.77, 0, 0, False),
+        (0.77, 4, 4, False),
+        (0.77, 5, 4, False),
+        (0.77, 8, 4, True),
+        (0.01, 0, 0, True),
+    ],
 )
 def test_what_learned_nothing_that_labels_show_has_to_show_it_in_trials(
     p: float, mine: int, its: int, passed: bool

@@ -2,8 +2,8 @@
 
 from services.learner.experiments.bench import Bench
 from services.learner.experiments.dagger.report import findings
-from services.learner.experiments.dagger.run import LAB, Run, teaching_of
-from services.learner.experiments.dagger.scale import SCALES, DaggerSettings
+from services.learner.experiments.dagger.run import Run, teaching_of
+from services.learner.experiments.dagger.scale import LAB, SCALES, DaggerSettings
 from services.learner.experiments.findings import Findings
 from shared.errors import HldError
 from shared.evaluation.plan import ORACLE
@@ -16,6 +16,8 @@ def run(bench: Bench) -> Findings:
 
 def compare(bench: Bench, settings: DaggerSettings) -> Findings:
     """The same of any settings; published after each training seed but the last.
+
+    In the lab without the arm of demonstrations at the site, which are those in the lab.
 
     Raises:
         HldError: there is nothing to train in the oracle.

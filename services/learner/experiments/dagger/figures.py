@@ -25,7 +25,7 @@ UNTRAINED = frozenset(("base", "oracle", "live"))
 """The same for each training seed."""
 
 
-def figures_of(settings: DaggerSettings, tried: Tried) -> dict[str, Any]:
+def figures_of(settings: DaggerSettings, tried: Tried, site: str) -> dict[str, Any]:
     """All of them, as report.json has them."""
     last = f"{MAIN}, round {settings.rounds}"
     figures = {
@@ -49,7 +49,7 @@ def figures_of(settings: DaggerSettings, tried: Tried) -> dict[str, Any]:
         "failed_commands": failed_commands(tried.rows[last]),
         "learned_from": _learned_from(tried.taught),
     }
-    told = [target._asdict() for target in targets(figures, settings.rounds)]
+    told = [target._asdict() for target in targets(figures, settings.rounds, site)]
     return {**figures, "targets": told}
 
 
@@ -86,10 +86,11 @@ def less(rows: BySeed, others: BySeed, *, fixed: bool = False) -> dict[str, Any]
 
 
 def _p(mine: Sequence[Sequence[float]], its: Sequence[Sequence[float]]) -> float:
-    """McNemar's of the training seed where it is largest."""
+    """McNemar's of the training seed where it is largest, of those that have any pairs."""
     return max(
         mcnemar([won > 0 for won in one], [won > 0 for won in other])
         for one, other in zip(mine, its, strict=True)
+        if one
     )
 
 

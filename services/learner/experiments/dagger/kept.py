@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
+from services.learner.build import STORE_FILE
 from services.learner.experiments.dagger.course import Effort
 from services.learner.experiments.dagger.lessons import Taught
 from shared.errors import HldError
@@ -113,8 +114,8 @@ def claim(folder: Path, note: str) -> None:
         HldError: what is there hangs on something else.
     """
     file = folder / "note.json"
-    if file.exists():
-        if file.read_text() != note:
+    if (folder / STORE_FILE).exists() or file.exists():
+        if not file.exists() or file.read_text() != note:
             raise _other(folder)
         return
     folder.mkdir(parents=True, exist_ok=True)

@@ -3,6 +3,7 @@
 import json
 
 from services.learner.experiments.bench import Bench
+from services.learner.experiments.dagger.lessons import Teaching
 from services.learner.experiments.dagger.scale import (
     ARMS,
     MAIN,
@@ -31,6 +32,12 @@ class Notes:
     def arm(self, name: str) -> str:
         """Of what came of an arm."""
         return self.rounds(ARMS[name].person, arm=ARMS[name].told(self._settings.recipe))
+
+    def arms(self, teaching: Teaching) -> str:
+        """Of the arms' training, but not on which of them: another scale goes on with it."""
+        told = teaching.model_dump(mode="json", exclude={"settings"})
+        recipe = trained_by(self._settings.recipe)
+        return _noted({**told, "episodes": self._settings.episodes, "recipe": recipe})
 
     def course(self, person: str) -> str:
         """Of a person's course itself, which knows nothing of the scenes of evaluations."""

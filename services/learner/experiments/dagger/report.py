@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from services.learner.experiments.dagger.figures import SPEAK_S, figures_of
-from services.learner.experiments.dagger.run import LAB, Tried
-from services.learner.experiments.dagger.scale import ARMS, MAIN, PEOPLE, DaggerSettings
+from services.learner.experiments.dagger.run import Tried
+from services.learner.experiments.dagger.scale import ARMS, LAB, MAIN, PEOPLE, DaggerSettings
 from services.learner.experiments.dagger.targets import targets_table
 from services.learner.experiments.findings import (
     Curve,
@@ -33,14 +33,14 @@ REVIEWING = (
 
 def findings(settings: DaggerSettings, tried: Tried, site: str) -> Findings:
     """What came out, told for machines and for people."""
-    last, figures = f"{MAIN}, round {settings.rounds}", figures_of(settings, tried)
+    last, figures = f"{MAIN}, round {settings.rounds}", figures_of(settings, tried, site)
     return Findings(
         title="Do corrections help, and is it the corrections?",
         method=_method(settings),
         figures=figures,
         first=("arms", "gap_closed", "corrections_share", "retention"),
         tables=(
-            targets_table(figures, settings.rounds),
+            targets_table(figures, settings.rounds, site),
             _arms_table(figures, last),
             _rounds_table(figures),
             _kept_table(figures),
@@ -95,9 +95,9 @@ def _notes(settings: DaggerSettings, site: str, *, flat: bool) -> tuple[str, ...
         "Retention is success in the lab, where no correction came from."
         if site != LAB
         else "Corrections came from the lab itself, so that what is told of it is no retention; "
-        "demonstrations at the site are those in the lab.",
+        "demonstrations at the site are those in the lab, and no arm of their own.",
         "Of prompts that nobody corrected the interval is Newcombe's, over the pairs of all "
-        "training seeds.",
+        "training seeds, which it takes as independent.",
     ]
     if not flat:
         notes.append(

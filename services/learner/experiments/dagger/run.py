@@ -20,7 +20,7 @@ from services.learner.experiments.dagger.kept import (
 )
 from services.learner.experiments.dagger.lessons import Lesson, Taught, Teacher, Teaching, slug
 from services.learner.experiments.dagger.notes import Notes
-from services.learner.experiments.dagger.scale import ARMS, MAIN, PEOPLE, DaggerSettings
+from services.learner.experiments.dagger.scale import ARMS, LAB, MAIN, PEOPLE, DaggerSettings
 from services.learner.experiments.dagger.watching import Live, Shift, Watcher
 from shared.evaluation.attempts import Row
 from shared.evaluation.plan import ORACLE, Case
@@ -28,7 +28,6 @@ from shared.evaluation.rows import Rows, measure
 from shared.policies.checkpoint import CARD_FILE, bundled, load_card
 from shared.rollout.settings import RolloutSettings
 
-LAB = "lab"
 LAB_ARMS = ("together", "unanchored", "as-fast", "untoned", "rehearsed")
 """Tried in the lab, too: what keeps what was known there."""
 
@@ -195,9 +194,7 @@ class Run:
     def _arms(self, names: list[str], seed: int) -> list[Taught]:
         """Train these arms, from the courses that they learn from."""
         lessons = [Lesson(ARMS[name].person, seed, 0, name) for name in names]
-        # Not on what else is tried: a run at another scale goes on with what this one trained.
-        apart = {"settings": {"people", "arms", "seeds"}}
-        note = self._teaching.model_dump_json(exclude=apart)
+        note = self._notes.arms(self._teaching)
         rows = Rows(self._bench.file(f"arms-{seed}"), Taught, note)
         found = measure(
             self._bench.pool, Teacher, self._teaching, lessons, lambda row: row.lesson, rows

@@ -14,6 +14,7 @@ from services.learner.labels.balance import BalanceSettings
 from shared.config import Settings
 
 Count = Annotated[int, Field(ge=1)]
+LAB = "lab"
 MAIN = "corrected"
 """The person of the main course: speaks where something is wrong, at once, and says once, after an
 episode that succeeded, that the rest was right. From the second round on every other episode is
