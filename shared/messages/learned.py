@@ -23,7 +23,7 @@ class LearnedAnswer(Message):
 
     learned: the first version that was trained with a label of the correction and put in force,
         under the name that it was made with. A rollback doesn't change it.
-    held_out: those that are kept aside to judge versions by, and never trained with.
+    held_out: those that are kept aside to judge versions by, and that none was trained with so far.
     """
 
     learned: dict[Id, Version] = Field(default_factory=dict)

@@ -68,9 +68,9 @@ function Brought({ rounds }) {
       html`<p class="small">
         Whether robots succeed more often is measured where one asks for it:${" "}
         <code>hld up --oracle --evaluate 60</code> tries each version on 60 evaluation seeds, and with${" "}
-        <code>--gate 20</code> (the learner's <code>gate.trials.episodes</code>; as <code>hld up</code> does
-        unless told otherwise) the gate tries each candidate beside the version in force. Then this says “14 corrections: 52 % → 71 %,
-        n = 200”.
+        <code>--gate 20</code> (the learner's <code>gate.trials.episodes</code>; as <code>hld up</code>${" "}
+        does unless told otherwise) the gate tries each candidate beside the version in force. Then this
+        says “14 corrections: 52 % → 71 %, n = 200”.
       </p>`}
     </section>
   `;

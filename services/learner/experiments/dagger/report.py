@@ -40,7 +40,7 @@ def findings(settings: DaggerSettings, tried: Tried, site: str) -> Findings:
         figures=figures,
         first=("arms", "gap_closed", "corrections_share", "retention"),
         tables=(
-            targets_table(figures, settings.rounds, site),
+            targets_table(figures, settings.rounds),
             _arms_table(figures, last),
             _rounds_table(figures),
             _kept_table(figures),

@@ -78,13 +78,13 @@ def _above(gap: dict[str, Any]) -> bool:
     return bool(gap["interval"][0] > 0)
 
 
-def targets_table(figures: dict[str, Any], rounds: int, site: str) -> Table:
+def targets_table(figures: dict[str, Any], rounds: int) -> Table:
     """One line each; the version after the last round is what is compared."""
     return Table(
         title="To be reached",
         columns=(f"{MAIN}, round {rounds}", "wanted", "measured (95 %)", "reached?"),
         rows=tuple(
-            (one.what, one.wanted, one.found, _REACHED[one.reached])
-            for one in targets(figures, rounds, site)
+            (one["what"], one["wanted"], one["found"], _REACHED[one["reached"]])
+            for one in figures["targets"]
         ),
     )
